@@ -1,0 +1,2 @@
+//! tdem
+fn main() {}

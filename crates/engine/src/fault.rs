@@ -1,0 +1,73 @@
+//! What can go wrong while a simulation runs.
+
+use thiserror::Error;
+
+/// The run cannot go on. The state of the last good step is the caller's last snapshot.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Fault {
+    /// A position is no longer a number.
+    #[error("particle {particle} has no finite position at step {step} (t = {time:.6e} s)")]
+    NotFinite {
+        /// Step that found it.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// Persistent id.
+        particle: u32,
+    },
+    /// A particle left the domain in a direction that does not repeat.
+    #[error("particle {particle} left the domain at step {step} (t = {time:.6e} s): it is at {position:?} m")]
+    Escaped {
+        /// Step that found it.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// Persistent id.
+        particle: u32,
+        /// Where it is, m.
+        position: [f64; 3],
+    },
+    /// Two particles overlap more than the law can answer for.
+    #[error(
+        "particles {first} and {second} overlap by {ratio:.3} of their mean radius at step {step} (t = {time:.6e} s); \
+         the limit is {limit}"
+    )]
+    Overlap {
+        /// Step that found it.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// The lower id.
+        first: u32,
+        /// The higher id.
+        second: u32,
+        /// Overlap over mean radius.
+        ratio: f64,
+        /// The limit it exceeds.
+        limit: f64,
+    },
+    /// The neighbour list would need more entries than 32 bits can count.
+    #[error("the neighbour list needs {entries} entries at step {step}; a 32-bit index counts 4294967295")]
+    ListOverflow {
+        /// Step that found it.
+        step: u64,
+        /// Entries needed.
+        entries: u64,
+    },
+    /// A periodic box is too small: a particle would meet two images of another.
+    #[error(
+        "the domain is {length:.6e} m long in a direction that repeats, but neighbours reach {reach:.6e} m: it must be at least twice that"
+    )]
+    BoxTooSmall {
+        /// Length of the box, m.
+        length: f64,
+        /// Largest distance of listed centres, m.
+        reach: f64,
+    },
+    /// The fields of a state do not belong together, or not to the plan.
+    #[error("the state is not consistent: {what}")]
+    Inconsistent {
+        /// What does not fit.
+        what: &'static str,
+    },
+}

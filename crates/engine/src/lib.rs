@@ -1,0 +1,24 @@
+//! The engine of `tdem`: what a simulation is, and how it advances.
+//!
+//! * [`State`] all that is needed to go on, in the order of persistent ids
+//! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
+//! * [`Simulation`] a state advanced by a back end under a plan
+//! * [`Ledger`] where the energy is and where it went
+//!
+//! The engine does no input or output. One step is `step.rs`; its stages have the same names as the files of the
+//! back end, [`cpu`].
+
+pub mod cpu;
+mod fault;
+mod ledger;
+mod plan;
+mod simulation;
+mod state;
+mod step;
+
+pub use fault::Fault;
+pub use ledger::Ledger;
+pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};
+pub use simulation::Simulation;
+pub use state::{Contact, State, WallContact, energy_accounts};
+pub use tdem_physics as physics;

@@ -1,0 +1,185 @@
+//! What a simulation is: all that is needed to go on.
+
+use crate::{Fault, Plan};
+use xxhash_rust::xxh3::Xxh3;
+
+/// All that is needed to go on, in the order of persistent ids, whatever order a back end works in.
+///
+/// A state and its [`crate::Plan`] determine every later state to the last bit. `N` is the number of particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Steps done.
+    pub step: u64,
+    /// Whether `force` and `moment` belong to the present positions; false for a state just built.
+    pub forces_known: bool,
+    /// Mechanical energy at the start of the ledger, J.
+    pub initial_energy: f64,
+    /// Persistent ids, `(N)`, strictly ascending.
+    pub id: Vec<u32>,
+    /// Indices into the plan's materials, `(N)`.
+    pub material: Vec<u16>,
+    /// Indices into the plan's constraints, `(N)`; 0 is free.
+    pub constraint: Vec<u16>,
+    /// $R$, m, `(N)`.
+    pub radius: Vec<f64>,
+    /// $m$, kg, `(N)`.
+    pub mass: Vec<f64>,
+    /// $\mathbf x$, m, `(N, 3)`; inside the domain in directions that repeat.
+    pub position: Vec<[f64; 3]>,
+    /// How often a particle left the domain through each face that repeats, `(N, 3)`: the true position is
+    /// `position + image * length`.
+    pub image: Vec<[i32; 3]>,
+    /// $\mathbf v$, m/s, `(N, 3)`.
+    pub velocity: Vec<[f64; 3]>,
+    /// $\boldsymbol\omega$, rad/s, `(N, 3)`.
+    pub angular_velocity: Vec<[f64; 3]>,
+    /// $\mathbf F$, gravity included, N, `(N, 3)`.
+    pub force: Vec<[f64; 3]>,
+    /// $\mathbf M$, N m, `(N, 3)`.
+    pub moment: Vec<[f64; 3]>,
+    /// Gear's scaled second to fifth derivatives, m, `(N, 4, 3)`; empty under velocity Verlet.
+    pub derivatives: Vec<[[f64; 3]; 4]>,
+    /// Energy accounts of each particle, J, `(N, 4)`, see [`energy_accounts`]; empty without ledger.
+    pub accounts: Vec<[f64; 4]>,
+    /// A point on each wall, m, `(walls, 3)`.
+    pub wall_position: Vec<[f64; 3]>,
+    /// Touching pairs, ascending by (first, second).
+    pub contacts: Vec<Contact>,
+    /// Particles that touch walls, ascending by (particle, wall).
+    pub wall_contacts: Vec<WallContact>,
+}
+
+/// Columns of [`State::accounts`], each summed over all steps.
+pub mod energy_accounts {
+    /// Dissipated by sliding.
+    pub const FRICTION: usize = 0;
+    /// Dissipated by dashpots.
+    pub const DAMPING: usize = 1;
+    /// Put into tangential springs by a change of their stiffness.
+    pub const STIFFENING: usize = 2;
+    /// Work of moving walls and of prescribed motion.
+    pub const EXTERNAL: usize = 3;
+}
+
+/// A touching pair and its history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The lower id.
+    pub first: u32,
+    /// The higher id.
+    pub second: u32,
+    /// Tangential displacement of the second surface relative to the first, m.
+    pub displacement: [f64; 3],
+}
+
+/// A particle that touches a wall, and its history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallContact {
+    /// Id of the particle.
+    pub particle: u32,
+    /// Index of the wall.
+    pub wall: u32,
+    /// Tangential displacement of the wall relative to the particle's surface, m.
+    pub displacement: [f64; 3],
+}
+
+impl State {
+    /// Number of particles, `N`.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+    /// Whether there are no particles.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+    /// Index of a persistent id.
+    #[must_use]
+    pub fn index_of(&self, id: u32) -> Option<usize> {
+        self.id.binary_search(&id).ok()
+    }
+
+    /// A hash of the whole state, the same wherever the same bits were computed. Signed zeros do not matter.
+    #[must_use]
+    pub fn hash(&self) -> u128 {
+        let mut hasher = Xxh3::new();
+        let mut word = |value: u64| hasher.update(&value.to_le_bytes());
+        let real = |value: f64| (value + 0.0).to_bits();
+        word(self.step);
+        self.id.iter().for_each(|&v| word(v.into()));
+        self.material.iter().for_each(|&v| word(v.into()));
+        self.constraint.iter().for_each(|&v| word(v.into()));
+        self.image.iter().flatten().for_each(|&v| word(u64::from(v.cast_unsigned())));
+        self.radius.iter().chain(&self.mass).for_each(|&v| word(real(v)));
+        for field in
+            [&self.position, &self.velocity, &self.angular_velocity, &self.force, &self.moment, &self.wall_position]
+        {
+            field.iter().flatten().for_each(|&v| word(real(v)));
+        }
+        self.derivatives.iter().flatten().flatten().for_each(|&v| word(real(v)));
+        for contact in &self.contacts {
+            word(contact.first.into());
+            word(contact.second.into());
+            contact.displacement.iter().for_each(|&v| word(real(v)));
+        }
+        for contact in &self.wall_contacts {
+            word(contact.particle.into());
+            word(contact.wall.into());
+            contact.displacement.iter().for_each(|&v| word(real(v)));
+        }
+        self.accounts.iter().flatten().for_each(|&v| word(real(v)));
+        hasher.digest128()
+    }
+}
+
+impl State {
+    /// Checks that the fields belong together and to the plan.
+    ///
+    /// # Errors
+    /// [`Fault::Inconsistent`] names what does not fit.
+    pub fn validate(&self, plan: &Plan) -> Result<(), Fault> {
+        let n = self.len();
+        let check = |holds: bool, what| if holds { Ok(()) } else { Err(Fault::Inconsistent { what }) };
+        check(self.id.is_sorted_by(|a, b| a < b), "ids ascend strictly")?;
+        check(
+            [self.material.len(), self.constraint.len(), self.radius.len(), self.mass.len()].iter().all(|&l| l == n),
+            "material, constraint, radius and mass have one entry per particle",
+        )?;
+        check(
+            [&self.position, &self.velocity, &self.angular_velocity, &self.force, &self.moment]
+                .iter()
+                .all(|field| field.len() == n)
+                && self.image.len() == n,
+            "position, image, velocity, angular velocity, force and moment have one entry per particle",
+        )?;
+        check(self.derivatives.is_empty() || self.derivatives.len() == n, "derivatives are for all particles or none")?;
+        check(self.accounts.is_empty() || self.accounts.len() == n, "energy accounts are for all particles or none")?;
+        check(self.material.iter().all(|&m| usize::from(m) < plan.materials), "every material is in the plan")?;
+        check(plan.interactions.len() == plan.materials * plan.materials, "every pair of materials has parameters")?;
+        check(
+            self.constraint.iter().all(|&c| usize::from(c) < plan.constraints.len()),
+            "every constraint is in the plan",
+        )?;
+        check(self.wall_position.len() == plan.walls.len(), "every wall has a position")?;
+        check(
+            plan.walls.iter().all(|w| usize::from(w.material) < plan.materials),
+            "every wall's material is in the plan",
+        )?;
+        check(
+            self.contacts.is_sorted_by(|a, b| (a.first, a.second) < (b.first, b.second))
+                && self.contacts.iter().all(|c| {
+                    c.first < c.second && self.index_of(c.first).is_some() && self.index_of(c.second).is_some()
+                }),
+            "contacts ascend and name particles that exist",
+        )?;
+        check(
+            self.wall_contacts.is_sorted_by(|a, b| (a.particle, a.wall) < (b.particle, b.wall))
+                && self
+                    .wall_contacts
+                    .iter()
+                    .all(|c| (c.wall as usize) < plan.walls.len() && self.index_of(c.particle).is_some()),
+            "wall contacts ascend and name particles and walls that exist",
+        )
+    }
+}

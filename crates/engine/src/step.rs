@@ -1,0 +1,38 @@
+//! One step: the algorithm.
+
+use crate::{Fault, State};
+
+/// The stages of a step, as a back end offers them. Stage names are file names: `cpu/predict.rs` and so on.
+pub(crate) trait Backend: Send {
+    /// Moves particles and walls to the end of the step, under the forces of its beginning.
+    fn predict(&mut self) -> Result<(), Fault>;
+    /// Lists neighbours anew if something moved too far since the last time, and carries histories over.
+    fn search(&mut self) -> Result<(), Fault>;
+    /// Forces and moments of touching pairs.
+    fn contact(&mut self) -> Result<(), Fault>;
+    /// Sums pairs in the order of ids, then walls, per particle.
+    fn gather(&mut self);
+    /// Gravity and the work of prescribed motion.
+    fn boundary(&mut self);
+    /// Corrects velocities by the forces of the end of the step.
+    fn correct(&mut self);
+    /// Forces for a state that has none yet: as in a step, but nothing moves and no history advances.
+    fn prepare(&mut self) -> Result<(), Fault>;
+    /// The whole state, in the order of persistent ids.
+    fn snapshot(&self) -> State;
+    /// Bytes held for the run, all arrays together.
+    fn bytes(&self) -> usize;
+    /// How often neighbours were listed.
+    fn searches(&self) -> u64;
+}
+
+/// One time step.
+pub(crate) fn step(backend: &mut dyn Backend) -> Result<(), Fault> {
+    backend.predict()?;
+    backend.search()?;
+    backend.contact()?;
+    backend.gather();
+    backend.boundary();
+    backend.correct();
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! Friction with history: a spring and a dashpot in the plane of contact, limited by Coulomb's cone.
+
+use super::{Friction, Losses};
+use crate::{Real, Vec3};
+
+/// How the surfaces move against each other, and what resists.
+#[derive(Clone, Copy, Debug)]
+pub struct Shear<R> {
+    /// $\mathbf n$.
+    pub normal: Vec3<R>,
+    /// $\mathbf v_t$, tangential velocity of the second surface relative to the first, m/s.
+    pub velocity: Vec3<R>,
+    /// $k_t = c_tG^*\sqrt{R^*h}$, N/m.
+    pub stiffness: R,
+    /// $k_t$ at the overlap of the last step, N/m.
+    pub earlier_stiffness: R,
+    /// $\gamma_t m^*$, kg/s.
+    pub damping: R,
+    /// $\Delta t$, s.
+    pub step: R,
+}
+
+/// What friction does in one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Drag<R> {
+    /// Force on the first body, N: it is dragged along with the second.
+    pub force: Vec3<R>,
+    /// Displacement to remember, m.
+    pub displacement: Vec3<R>,
+    /// Where energy went, J.
+    pub losses: Losses<R>,
+}
+
+/// Friction with history.
+///
+/// 1. the stored displacement is turned into the present plane of contact, keeping its length,
+/// 2. $\boldsymbol\delta \leftarrow \boldsymbol\delta + \mathbf v_t\Delta t$,
+/// 3. $\mathbf F_s = k_t\boldsymbol\delta + \gamma_tm^*\mathbf v_t$,
+/// 4. if $|\mathbf F_s|$ exceeds the stick limit $\mu_sF_n$: $\mathbf F_t = \mu_dF_n\,\mathbf F_s/|\mathbf F_s|$ and
+///    $\boldsymbol\delta = (\mathbf F_t - \gamma_tm^*\mathbf v_t)/k_t$, so that spring and dashpot stay on the cone.
+///
+/// With [`Friction::Rescaled`] a contact whose stiffness grows keeps its force: $\boldsymbol\delta$ shrinks by
+/// $k_{t,old}/k_t$ before step 2.
+///
+/// | argument | symbol | unit |
+/// |---|---|---|
+/// | `displacement` | $\boldsymbol\delta$ of the last step | m |
+/// | `stick_limit`, `slide_limit` | $\mu_sF_n$, $\mu_dF_n$ | N |
+///
+/// # Numerics
+/// Turning by projection and rescaling is first order in the angle of a step and needs no stored normal. The earlier
+/// stiffness is that of the overlap $h + v_n\Delta t$. The displacement form creates a little energy under
+/// near-normal stick (0.65 % of the tangential part at 2 degrees); the ledger books it as `stiffening`.
+///
+/// # References
+/// Džiugys & Peters, Granular Matter 3 (2001) 231; Mindlin & Deresiewicz, J. Appl. Mech. 20 (1953) 327 for $k_t$;
+/// Thornton, Cummins & Cleary, Powder Technology 210 (2011) 189 for the rescaled form.
+#[inline(always)]
+pub fn friction<R: Real>(
+    form: Friction,
+    shear: &Shear<R>,
+    displacement: Vec3<R>,
+    stick_limit: R,
+    slide_limit: R,
+) -> Drag<R> {
+    let &Shear { normal, velocity, stiffness, earlier_stiffness, damping, step } = shear;
+    let half = R::lit(0.5);
+
+    let turned = into_plane(displacement, normal);
+    let turned = match form {
+        Friction::Rescaled => turned * (earlier_stiffness / stiffness).min(R::lit(1.0)),
+        Friction::Off | Friction::Displacement => turned,
+    };
+    let stored_before = half * earlier_stiffness * displacement.dot(displacement);
+    let stiffening = half * stiffness * turned.dot(turned) - stored_before;
+
+    let trial = turned + velocity * step;
+    let dashpot = velocity * damping;
+    let sticking = trial * stiffness + dashpot;
+    let size_squared = sticking.dot(sticking).named("size_squared");
+    let slides = size_squared.gt(stick_limit * stick_limit);
+    let (force, kept) = R::when(slides, (sticking, trial), |(sticking, _)| {
+        let sliding = sticking * (slide_limit / size_squared.sqrt());
+        (sliding, (sliding - dashpot) * (R::lit(1.0) / stiffness))
+    });
+    Drag {
+        force,
+        displacement: kept,
+        losses: Losses { friction: force.dot(trial - kept), damping: dashpot.dot(kept - turned), stiffening },
+    }
+}
+
+/// The part of a vector across the normal, at the vector's full length; the vector itself where nothing is left.
+#[inline(always)]
+fn into_plane<R: Real>(vector: Vec3<R>, normal: Vec3<R>) -> Vec3<R> {
+    let across = vector - normal * vector.dot(normal);
+    let remaining = across.dot(across);
+    let something = remaining.gt(R::lit(0.0));
+    let one = R::lit(1.0);
+    let stretch = (R::select(something, vector.dot(vector), one) / R::select(something, remaining, one)).sqrt();
+    across * stretch
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vec3;
+
+    fn shear(speed: f64) -> Shear<f64> {
+        Shear {
+            normal: vec3(0.0, 0.0, 1.0),
+            velocity: vec3(speed, 0.0, 0.0),
+            stiffness: 1e6,
+            earlier_stiffness: 1e6,
+            damping: 0.0,
+            step: 1e-6,
+        }
+    }
+
+    #[test]
+    fn sticks_below_the_limit_and_slides_on_the_cone_above_it() {
+        let (stick, slide) = (1.0, 0.8);
+        let drag = friction(Friction::Displacement, &shear(0.5), Vec3::zero(), stick, slide);
+        assert!((drag.force.x - 0.5).abs() < 1e-12 && drag.losses.friction == 0.0);
+        let drag = friction(Friction::Displacement, &shear(2.0), Vec3::zero(), stick, slide);
+        assert!((drag.force.x - slide).abs() < 1e-12);
+        assert!((drag.displacement.x - 0.8e-6).abs() < 1e-18);
+        assert!((drag.losses.friction - 0.8 * 1.2e-6).abs() < 1e-18);
+    }
+
+    #[test]
+    fn a_turned_displacement_keeps_its_length_and_lies_in_the_plane() {
+        let normal = vec3(0.6, 0.0, 0.8);
+        let turned = into_plane(vec3(1e-6, 2e-6, 0.0), normal);
+        assert!(turned.dot(normal).abs() < 1e-21);
+        assert!((turned.dot(turned) - 5e-12).abs() < 1e-26);
+        assert_eq!(into_plane(Vec3::zero(), normal), Vec3::zero());
+    }
+
+    #[test]
+    fn loading_creates_energy_only_in_the_displacement_form() {
+        let shear = Shear { earlier_stiffness: 0.5e6, ..shear(0.0) };
+        let stored = vec3(1e-6, 0.0, 0.0);
+        let limit = f64::INFINITY;
+        assert!(friction(Friction::Displacement, &shear, stored, limit, limit).losses.stiffening > 0.0);
+        let rescaled = friction(Friction::Rescaled, &shear, stored, limit, limit);
+        assert!(rescaled.losses.stiffening < 0.0);
+        assert!((rescaled.force.x - 0.5).abs() < 1e-12, "the force is kept");
+    }
+}

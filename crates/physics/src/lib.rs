@@ -1,0 +1,23 @@
+//! The laws of `tdem`, each written once as a function generic over [`Real`].
+//!
+//! The CPU calls a law with `f64`, or with eight lanes at a time ([`real::Lanes`]); a GPU compiles the C that the same
+//! function prints when it is called with [`real::Symbol`]. All three give the same bits, because a law can only use
+//! what IEEE 754 rounds the same way everywhere (see [`Real`]).
+//!
+//! * [`contact`] two bodies that touch: normal force, damping, friction with history, moments
+//! * [`motion`] how a particle moves under a force: velocity Verlet, Gear
+//! * [`stability`] how large a time step may be
+//! * [`material`] effective values of a pair of materials
+//!
+//! SI units throughout. The conventions (normal from the first body to the second, overlap positive in contact, force
+//! on the first body) are stated in [`contact`].
+
+pub mod contact;
+pub mod material;
+pub mod motion;
+pub mod real;
+pub mod stability;
+mod vec3;
+
+pub use real::Real;
+pub use vec3::{Vec3, vec3};
