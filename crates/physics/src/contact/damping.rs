@@ -53,7 +53,7 @@ pub fn restitution<R: Real>(factor: R, stiffness: R, mass_eff: R, normal_speed: 
 /// ```
 /// use tdem_physics::contact::damping::restitution_factor;
 /// assert_eq!(restitution_factor(1.0), 0.0); // elastic
-/// assert!((restitution_factor(0.5) - 0.39380).abs() < 1e-4);
+/// assert!((restitution_factor(0.5) - 0.39336).abs() < 1e-5);
 /// ```
 #[must_use]
 pub fn restitution_factor(restitution: f64) -> f64 {
