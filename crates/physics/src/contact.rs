@@ -159,10 +159,11 @@ pub fn respond<R: Real>(
     let earlier_overlap = (overlap + normal_speed * step).max(R::lit(0.0));
     let shear = tangential::Shear {
         normal,
-        velocity: relative_velocity - normal * normal_speed,
-        stiffness: interaction.tangential_stiffness * contact_radius,
-        earlier_stiffness: interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt(),
-        damping: interaction.tangential_damping * mass_eff,
+        velocity: (relative_velocity - normal * normal_speed).named(["shear_x", "shear_y", "shear_z"]),
+        stiffness: (interaction.tangential_stiffness * contact_radius).named("stiffness"),
+        earlier_stiffness: (interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt())
+            .named("earlier_stiffness"),
+        damping: (interaction.tangential_damping * mass_eff).named("damping"),
         step,
     };
     let pressed = normal_force.max(R::lit(0.0));
