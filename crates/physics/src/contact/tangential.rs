@@ -1,6 +1,7 @@
 //! Friction with history: a spring and a dashpot in the plane of contact, limited by Coulomb's cone.
 
 use super::{Friction, Losses};
+use crate::real::Branch;
 use crate::{Real, Vec3};
 
 /// How the surfaces move against each other, and what resists.
@@ -80,16 +81,30 @@ pub fn friction<R: Real>(
     let sticking = (trial * stiffness + dashpot).named(["sticking_x", "sticking_y", "sticking_z"]);
     let size_squared = sticking.dot(sticking).named("size_squared");
     let slides = size_squared.gt(stick_limit * stick_limit);
-    let (force, kept) = R::when(slides, (sticking, trial), |(sticking, _)| {
-        let sliding = sticking * (slide_limit / size_squared.sqrt());
-        (sliding, (sliding - dashpot) * (R::lit(1.0) / stiffness))
-    });
+    let slide = Slide { dashpot, size_squared, slide_limit, stiffness };
+    let (force, kept) = R::when(slides, (sticking, trial), slide);
     let force = force.named(["tangential_x", "tangential_y", "tangential_z"]);
     let kept = kept.named(["kept_x", "kept_y", "kept_z"]);
     Drag {
         force,
         displacement: kept,
         losses: Losses { friction: force.dot(trial - kept), damping: dashpot.dot(kept - turned), stiffening },
+    }
+}
+
+/// Step 4: force and displacement on the cone.
+struct Slide<R> {
+    dashpot: Vec3<R>,
+    size_squared: R,
+    slide_limit: R,
+    stiffness: R,
+}
+
+impl<R: Real> Branch<(Vec3<R>, Vec3<R>)> for Slide<R> {
+    #[inline(always)]
+    fn taken(self, (sticking, _): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
+        let sliding = sticking * (self.slide_limit / self.size_squared.sqrt());
+        (sliding, (sliding - self.dashpot) * (R::lit(1.0) / self.stiffness))
     }
 }
 
