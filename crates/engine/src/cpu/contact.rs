@@ -45,9 +45,9 @@ pub(super) struct Rows<'a> {
     displacement: &'a mut [[f64; 3]],
     reaction: &'a mut [f64],
     /// Forces on these particles, by their own rows.
-    force: &'a mut [[f64; 3]],
+    force: &'a mut [Quad],
     /// Moments on these particles, by their own rows.
-    moment: &'a mut [[f64; 3]],
+    moment: &'a mut [Quad],
     /// Of these particles.
     accounts: &'a mut [[f64; 4]],
     /// What the pairs of each row lost in this step: summed on its own, in the order of pairs, so that it does not
@@ -207,23 +207,23 @@ impl Rows<'_> {
     fn row(&self, k: usize) -> std::ops::Range<usize> {
         (self.start[k] - self.start[0]) as usize..(self.start[k + 1] - self.start[0]) as usize
     }
-    /// Adds what a contact does to the row's particle, and keeps what the other will gather.
+    /// Adds what a contact does to the row's particle, and keeps what the other will gather. Fourth numbers are unused.
     #[inline(always)]
-    fn keep<V: Variant>(&mut self, i: usize, pair: usize, force: [f64; 3], moments: [[f64; 3]; 2]) {
+    fn keep<V: Variant>(&mut self, i: usize, pair: usize, force: [f64; 4], moments: [[f64; 4]; 2]) {
         let mine = i - self.first;
-        for k in 0..3 {
-            self.force[mine][k] += force[k];
+        for k in 0..4 {
+            self.force[mine].0[k] += force[k];
         }
         if V::MOMENTS {
-            for k in 0..3 {
-                self.moment[mine][k] += moments[0][k];
+            for k in 0..4 {
+                self.moment[mine].0[k] += moments[0][k];
             }
         }
         let stride = if V::MOMENTS { 6 } else { 3 };
         if let Some(reaction) = self.reaction.get_mut(stride * pair..stride * (pair + 1)) {
-            reaction[..3].copy_from_slice(&force);
+            reaction[..3].copy_from_slice(&force[..3]);
             if V::MOMENTS {
-                reaction[3..].copy_from_slice(&moments[1]);
+                reaction[3..].copy_from_slice(&moments[1][..3]);
             }
         }
     }
@@ -253,8 +253,8 @@ impl Rows<'_> {
         self.displacement[pair] = [0.0; 3];
     }
     fn open_books<V: Variant>(&mut self) {
-        self.force.fill([0.0; 3]);
-        self.moment.fill([0.0; 3]);
+        self.force.fill(Quad::default());
+        self.moment.fill(Quad::default());
         if V::LEDGER {
             self.lost = vec![Lost::default(); self.accounts.len()];
         }
@@ -287,8 +287,8 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 let displacement = rows.displacement.get(pair).copied().unwrap_or_default().into();
                 let response = respond(law, &encounter, displacement, scene.interaction(i, j), scene.step);
                 let arms = [a.radius, b.radius].map(|radius| lever_arm(radius, touch.overlap));
-                let moments = arms.map(|arm| (response.moment_per_arm * arm).into());
-                rows.keep::<V>(i, pair, response.force.into(), moments);
+                let moments = arms.map(|arm| Quad::new((response.moment_per_arm * arm).into(), 0.0).0);
+                rows.keep::<V>(i, pair, Quad::new(response.force.into(), 0.0).0, moments);
                 if V::FRICTION != Friction::Off {
                     rows.displacement[pair] = response.displacement.into();
                 }
@@ -310,7 +310,10 @@ fn worse(crushed: Crushed, pair: (u32, u32)) -> (u32, u32) {
     crushed.map_or(pair, |known| known.min(pair))
 }
 
-/// Pairs eight at a time: first all listed pairs are tried, then those that touch are evaluated.
+/// Pairs eight at a time.
+///
+/// Where most listed pairs touch, groups of eight neighbours in the list are evaluated as they come, and lanes that do
+/// not touch are thrown away. Elsewhere the pairs that touch are collected first.
 #[inline(always)]
 pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     let pairs = rows.other.len();
@@ -322,53 +325,176 @@ pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Row
     for k in 0..rows.start.len() - 1 {
         owner[rows.row(k)].fill((rows.first + k) as u32);
     }
-    let (compact, crushed) = try_pairs::<V, R>(scene, rows, &owner);
-    let law = scene.law::<V>();
-    let period = lanes_period::<R>(scene);
-    let step = R::lit(scene.step);
-    let alone = (scene.interactions.len() == 1).then(|| splat::<R>(&scene.interactions[0]));
-    for group in compact.chunks(WIDTH) {
-        let [slot, i, j] = indices(group, &owner, rows.other);
-        let (touch, radii) = touch_eight::<R>(scene, period.as_ref(), &i, &j);
-        let [a, b] = [i, j].map(|index| {
-            let [x, y, z, mass] = R::load(scene.motion, &index);
-            let mut angular_velocity = Vec3::zero();
-            if V::MOMENTS {
-                let [x, y, z, _] = R::load(scene.spin, &index);
-                angular_velocity = vec3(x, y, z);
+    let law = Eights::<R>::new::<V>(scene);
+    let touched = rows.touching.iter().map(|&t| usize::from(t)).sum::<usize>();
+    let dense = 4 * touched > 3 * pairs;
+    let mut compact = vec![0_u32; if dense { 0 } else { pairs + WIDTH }];
+    let mut count = 0;
+    let mut crushed: Crushed = None;
+    for base in (0..pairs).step_by(WIDTH) {
+        let width = WIDTH.min(pairs - base);
+        let mut slot = [base as u32; WIDTH];
+        for l in 0..width {
+            slot[l] = (base + l) as u32;
+        }
+        let group = Group::new(slot, &owner, rows.other);
+        let (touch, radii) = law.touch(scene, &group);
+        let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
+        let crushes = R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
+        if crushes != 0 {
+            for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
+                crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
             }
-            let radius = R::lit(0.0);
-            Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
-        });
-        let (a, b) = (Sphere { radius: radii[0], ..a }, Sphere { radius: radii[1], ..b });
-        let encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS);
-        let displacement =
-            if V::FRICTION == Friction::Off { Vec3::zero() } else { load_eight(rows.displacement, &slot) };
-        let interaction = match alone {
-            Some(interaction) => interaction,
-            None => gather_interactions(scene, &i, &j),
-        };
-        let response = respond(law, &encounter, displacement, &interaction, step);
-        let moments = radii.map(|radius| response.moment_per_arm * lever_arm(radius, touch.overlap));
-        keep_eight::<V, R>(scene, rows, group.len(), [slot, i, j], &response, moments);
+        }
+        for l in 0..width {
+            let (now, before) = (touches >> l & 1 != 0, rows.touching[base + l]);
+            if before && !now {
+                rows.part::<V>(scene, group.i[l] as usize, group.j[l] as usize, base + l);
+            }
+            rows.touching[base + l] = now;
+        }
+        if dense {
+            law.evaluate::<V>(scene, rows, &group, &touch, radii, touches & (u8::MAX >> (WIDTH - width)));
+        } else {
+            for l in 0..width {
+                compact[count] = (base + l) as u32;
+                count += usize::from(touches >> l & 1);
+            }
+        }
+    }
+    for chosen in compact[..count].chunks(WIDTH) {
+        // A last, short group is filled up with its first pair.
+        let mut slot = [chosen[0]; WIDTH];
+        slot[..chosen.len()].copy_from_slice(chosen);
+        let group = Group::new(slot, &owner, rows.other);
+        let (touch, radii) = law.touch(scene, &group);
+        law.evaluate::<V>(scene, rows, &group, &touch, radii, u8::MAX >> (WIDTH - chosen.len()));
     }
     rows.close_books::<V>();
     crushed
 }
 
-/// Slots of a group of pairs, their row's particles and the others. A short group is filled up with its first pair.
-#[inline(always)]
-fn indices(group: &[u32], owner: &[u32], other: &[u32]) -> [[u32; WIDTH]; 3] {
-    let mut slot = [group[0]; WIDTH];
-    for l in 0..group.len().min(WIDTH) {
-        slot[l] = group[l];
+/// Eight pairs: their slots, the rows' particles and the others.
+struct Group {
+    slot: [u32; WIDTH],
+    i: [u32; WIDTH],
+    j: [u32; WIDTH],
+}
+
+impl Group {
+    #[inline(always)]
+    fn new(slot: [u32; WIDTH], owner: &[u32], other: &[u32]) -> Self {
+        let (mut i, mut j) = ([0; WIDTH], [0; WIDTH]);
+        for l in 0..WIDTH {
+            i[l] = owner[slot[l] as usize];
+            j[l] = other[slot[l] as usize];
+        }
+        Group { slot, i, j }
     }
-    let (mut i, mut j) = ([0; WIDTH], [0; WIDTH]);
-    for l in 0..WIDTH {
-        i[l] = owner[slot[l] as usize];
-        j[l] = other[slot[l] as usize];
+}
+
+/// The law in lanes.
+struct Eights<R> {
+    law: Law,
+    period: Option<Period<R>>,
+    step: R,
+    overlap_limit: R,
+    /// The parameters, where there is one pair of materials only.
+    alone: Option<Interaction<R>>,
+}
+
+impl<R: Eight> Eights<R> {
+    #[inline(always)]
+    fn new<V: Variant>(scene: &Scene<'_>) -> Self {
+        Eights {
+            law: scene.law::<V>(),
+            period: lanes_period(scene),
+            step: R::lit(scene.step),
+            overlap_limit: R::lit(scene.overlap_limit),
+            alone: if scene.interactions.len() == 1 { Some(splat(&scene.interactions[0])) } else { None },
+        }
     }
-    [slot, i, j]
+
+    /// How eight pairs lie to each other, and their radii.
+    #[inline(always)]
+    fn touch(&self, scene: &Scene<'_>, group: &Group) -> (Touch<R>, [R; 2]) {
+        let [xa, ya, za, ra] = R::load(scene.place, &group.i);
+        let [xb, yb, zb, rb] = R::load(scene.place, &group.j);
+        let mut offset = vec3(xb, yb, zb) - vec3(xa, ya, za);
+        if let Some(period) = &self.period {
+            offset = period.nearest(offset);
+        }
+        (touch_spheres(offset, ra + rb), [ra, rb])
+    }
+
+    /// Evaluates the lanes of a group whose bit is set.
+    #[inline(always)]
+    fn evaluate<V: Variant>(
+        &self,
+        scene: &Scene<'_>,
+        rows: &mut Rows<'_>,
+        group: &Group,
+        touch: &Touch<R>,
+        radii: [R; 2],
+        active: u8,
+    ) {
+        let sphere = |index: &[u32; WIDTH], radius: R| {
+            let [x, y, z, mass] = R::load(scene.motion, index);
+            let mut angular_velocity = Vec3::zero();
+            if V::MOMENTS {
+                let [x, y, z, _] = R::load(scene.spin, index);
+                angular_velocity = vec3(x, y, z);
+            }
+            Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
+        };
+        let (a, b) = (sphere(&group.i, radii[0]), sphere(&group.j, radii[1]));
+        let encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
+        let displacement =
+            if V::FRICTION == Friction::Off { Vec3::zero() } else { R::load_triples(rows.displacement, &group.slot) };
+        let interaction = match self.alone {
+            Some(interaction) => interaction,
+            None => gather_interactions(scene, &group.i, &group.j),
+        };
+        let response = respond(self.law, &encounter, displacement, &interaction, self.step);
+        self.keep::<V>(scene, rows, group, &response, radii.map(|radius| lever_arm(radius, touch.overlap)), active);
+    }
+
+    /// Keeps what the contacts do.
+    #[inline(always)]
+    fn keep<V: Variant>(
+        &self,
+        scene: &Scene<'_>,
+        rows: &mut Rows<'_>,
+        group: &Group,
+        response: &Response<R>,
+        arms: [R; 2],
+        active: u8,
+    ) {
+        let zero = R::lit(0.0);
+        let quads = |v: Vec3<R>| R::quads([v.x, v.y, v.z, zero]);
+        let force = quads(response.force);
+        let displacement = quads(response.displacement);
+        let moments = [quads(response.moment_per_arm * arms[0]), quads(response.moment_per_arm * arms[1])];
+        for l in 0..WIDTH {
+            if active >> l & 1 == 0 {
+                continue;
+            }
+            let pair = group.slot[l] as usize;
+            rows.keep::<V>(group.i[l] as usize, pair, force[l], [moments[0][l], moments[1][l]]);
+            if V::FRICTION != Friction::Off {
+                rows.displacement[pair].copy_from_slice(&displacement[l][..3]);
+            }
+        }
+        if V::LEDGER {
+            let losses = &response.losses;
+            let losses = R::quads([losses.friction, losses.damping, losses.stiffening, zero]);
+            for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+                let [friction, damping, stiffening, _] = losses[l];
+                let losses = Losses { friction, damping, stiffening };
+                rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, &losses);
+            }
+        }
+    }
 }
 
 #[inline(always)]
@@ -378,110 +504,6 @@ fn lanes_period<R: Eight>(scene: &Scene<'_>) -> Option<Period<R>> {
         length: vec3(R::lit(p.length.x), R::lit(p.length.y), R::lit(p.length.z)),
         half: vec3(R::lit(p.half.x), R::lit(p.half.y), R::lit(p.half.z)),
     })
-}
-
-/// How eight pairs lie to each other, and their radii.
-#[inline(always)]
-fn touch_eight<R: Eight>(
-    scene: &Scene<'_>,
-    period: Option<&Period<R>>,
-    i: &[u32; WIDTH],
-    j: &[u32; WIDTH],
-) -> (Touch<R>, [R; 2]) {
-    let [xa, ya, za, ra] = R::load(scene.place, i);
-    let [xb, yb, zb, rb] = R::load(scene.place, j);
-    let mut offset = vec3(xb, yb, zb) - vec3(xa, ya, za);
-    if let Some(period) = period {
-        offset = period.nearest(offset);
-    }
-    (touch_spheres(offset, ra + rb), [ra, rb])
-}
-
-/// Marks the pairs that touch and lists them; pairs that part forget.
-#[inline(always)]
-fn try_pairs<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>, owner: &[u32]) -> (Vec<u32>, Crushed) {
-    let pairs = owner.len();
-    let mut compact = vec![0_u32; pairs + WIDTH];
-    let mut count = 0;
-    let mut crushed: Crushed = None;
-    let limit = R::lit(scene.overlap_limit);
-    let period = lanes_period::<R>(scene);
-    for base in (0..pairs).step_by(WIDTH) {
-        let width = WIDTH.min(pairs - base);
-        let (mut i, mut j) = ([owner[base]; WIDTH], [rows.other[base]; WIDTH]);
-        for l in 0..width {
-            i[l] = owner[base + l];
-            j[l] = rows.other[base + l];
-        }
-        let (touch, radii) = touch_eight::<R>(scene, period.as_ref(), &i, &j);
-        let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
-        let crushes = R::bits(touch.overlap.gt(limit * (radii[0] + radii[1])));
-        for l in 0..width {
-            let (now, before) = (touches >> l & 1 != 0, rows.touching[base + l]);
-            compact[count] = (base + l) as u32;
-            count += usize::from(now);
-            if before && !now {
-                rows.part::<V>(scene, i[l] as usize, j[l] as usize, base + l);
-            }
-            rows.touching[base + l] = now;
-        }
-        if crushes != 0 {
-            for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
-                crushed = Some(worse(crushed, scene.ranks(i[l] as usize, j[l] as usize)));
-            }
-        }
-    }
-    compact.truncate(count);
-    (compact, crushed)
-}
-
-/// Eight vectors from their slots.
-#[inline(always)]
-fn load_eight<R: Eight>(field: &[[f64; 3]], slot: &[u32; WIDTH]) -> Vec3<R> {
-    let mut parts = [[0.0; WIDTH]; 3];
-    for l in 0..WIDTH {
-        let vector = field[slot[l] as usize];
-        for k in 0..3 {
-            parts[k][l] = vector[k];
-        }
-    }
-    vec3(R::from_array(parts[0]), R::from_array(parts[1]), R::from_array(parts[2]))
-}
-
-/// Keeps what eight contacts, or the first `count` of them, do.
-#[inline(always)]
-fn keep_eight<V: Variant, R: Eight>(
-    scene: &Scene<'_>,
-    rows: &mut Rows<'_>,
-    count: usize,
-    [slot, i, j]: [[u32; WIDTH]; 3],
-    response: &Response<R>,
-    moments: [Vec3<R>; 2],
-) {
-    let force = arrays(response.force);
-    let displacement = arrays(response.displacement);
-    let moments = moments.map(arrays);
-    for l in 0..count {
-        let pair = slot[l] as usize;
-        let of = |field: &[[f64; WIDTH]; 3]| [field[0][l], field[1][l], field[2][l]];
-        rows.keep::<V>(i[l] as usize, pair, of(&force), [of(&moments[0]), of(&moments[1])]);
-        if V::FRICTION != Friction::Off {
-            rows.displacement[pair] = of(&displacement);
-        }
-    }
-    if V::LEDGER {
-        let losses = &response.losses;
-        let losses = [losses.friction, losses.damping, losses.stiffening].map(R::to_array);
-        for l in 0..count {
-            let losses = Losses { friction: losses[0][l], damping: losses[1][l], stiffening: losses[2][l] };
-            rows.book::<V>(scene, i[l] as usize, j[l] as usize, &losses);
-        }
-    }
-}
-
-#[inline(always)]
-fn arrays<R: Eight>(vector: Vec3<R>) -> [[f64; WIDTH]; 3] {
-    [vector.x.to_array(), vector.y.to_array(), vector.z.to_array()]
 }
 
 #[inline(always)]

@@ -35,7 +35,8 @@ impl Cpu {
             let mut slots = slots.iter_mut().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
-                let mut sum = Sum { force: force[k].into(), moment: moment.get(k).copied().unwrap_or_default().into() };
+                let mut sum =
+                    Sum { force: force[k].vector(), moment: moment.get(k).copied().unwrap_or_default().vector() };
                 if moments {
                     add_incoming::<6>(list, i, &mut sum);
                 } else {
@@ -45,9 +46,9 @@ impl Cpu {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
                     walls.add(&sphere, material[i], slot, accounts.get_mut(k), &mut sum);
                 }
-                force[k] = sum.force.into();
+                force[k].set_vector(sum.force);
                 if let Some(moment) = moment.get_mut(k) {
-                    *moment = sum.moment.into();
+                    moment.set_vector(sum.moment);
                 }
             }
         });

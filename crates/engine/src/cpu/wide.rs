@@ -3,17 +3,20 @@
 
 use super::bodies::Quad;
 use super::contact::{Crushed, Rows, Scene, Variant, rows_eight};
-use tdem_physics::Real;
 use tdem_physics::real::{Lanes, WIDTH};
+use tdem_physics::{Real, Vec3, vec3};
 
 /// Eight numbers in lanes, and how they come from and go to memory.
 pub(super) trait Eight: Real {
     fn from_array(numbers: [f64; WIDTH]) -> Self;
-    fn to_array(self) -> [f64; WIDTH];
     /// One bit per lane.
     fn bits(mask: Self::Mask) -> u8;
     /// The first numbers of eight quads, the second ones, the third, the fourth.
     fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Self; 4];
+    /// The same for vectors.
+    fn load_triples(field: &[[f64; 3]], index: &[u32; WIDTH]) -> Vec3<Self>;
+    /// The way back: eight quads from four rows of eight.
+    fn quads(rows: [Self; 4]) -> [[f64; 4]; WIDTH];
 }
 
 /// Any machine: the compiler makes of it what it can.
@@ -21,10 +24,6 @@ impl Eight for Lanes {
     #[inline(always)]
     fn from_array(numbers: [f64; WIDTH]) -> Self {
         Lanes(numbers)
-    }
-    #[inline(always)]
-    fn to_array(self) -> [f64; WIDTH] {
-        self.0
     }
     #[inline(always)]
     fn bits(mask: [u64; WIDTH]) -> u8 {
@@ -45,13 +44,37 @@ impl Eight for Lanes {
         }
         lanes
     }
+    #[inline(always)]
+    fn load_triples(field: &[[f64; 3]], index: &[u32; WIDTH]) -> Vec3<Self> {
+        let mut lanes = [Lanes([0.0; WIDTH]); 3];
+        for l in 0..WIDTH {
+            let triple = field[index[l] as usize];
+            for k in 0..3 {
+                lanes[k].0[l] = triple[k];
+            }
+        }
+        vec3(lanes[0], lanes[1], lanes[2])
+    }
+    #[inline(always)]
+    fn quads(rows: [Self; 4]) -> [[f64; 4]; WIDTH] {
+        let mut quads = [[0.0; 4]; WIDTH];
+        for l in 0..WIDTH {
+            for k in 0..4 {
+                quads[l][k] = rows[k].0[l];
+            }
+        }
+        quads
+    }
 }
 
 /// The contact loop for the widest registers of this machine.
 pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     #[cfg(target_arch = "x86_64")]
     {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+        if is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
+        {
             // SAFETY: the machine has just said that it has these features.
             return unsafe { x86::rows_avx512::<V>(scene, rows) };
         }
@@ -67,16 +90,17 @@ pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) ->
 mod x86 {
     use super::{Crushed, Eight, Lanes, Quad, Rows, Scene, Variant, WIDTH, rows_eight};
     use std::arch::x86_64::{
-        __m512d, __mmask8, _CMP_GT_OQ, _mm256_load_pd, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512,
-        _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_insertf64x4, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_mul_pd,
-        _mm512_permutex2var_pd, _mm512_set1_pd, _mm512_setr_epi64, _mm512_sqrt_pd, _mm512_storeu_pd, _mm512_sub_pd,
-        _mm512_unpackhi_pd, _mm512_unpacklo_pd, _mm512_xor_pd,
+        __m256d, __m512d, __mmask8, _CMP_GT_OQ, _mm256_load_pd, _mm256_maskz_loadu_pd, _mm512_abs_pd, _mm512_add_pd,
+        _mm512_castpd256_pd512, _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_insertf64x4, _mm512_loadu_pd,
+        _mm512_mask_blend_pd, _mm512_mul_pd, _mm512_permutex2var_pd, _mm512_set1_pd, _mm512_setr_epi64,
+        _mm512_shuffle_f64x2, _mm512_sqrt_pd, _mm512_store_pd, _mm512_sub_pd, _mm512_unpackhi_pd, _mm512_unpacklo_pd,
+        _mm512_xor_pd,
     };
     use std::ops::{Add, Div, Mul, Neg, Sub};
-    use tdem_physics::Real;
     use tdem_physics::real::{Branch, Pack};
+    use tdem_physics::{Real, Vec3, vec3};
 
-    #[target_feature(enable = "avx512f,avx512dq")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
     pub(super) fn rows_avx512<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
         rows_eight::<V, Zmm>(scene, rows)
     }
@@ -158,13 +182,6 @@ mod x86 {
             Zmm(unsafe { _mm512_loadu_pd(numbers.as_ptr()) })
         }
         #[inline(always)]
-        fn to_array(self) -> [f64; WIDTH] {
-            let mut numbers = [0.0; WIDTH];
-            // SAFETY: a `Zmm` exists only where AVX-512 does; the array has room for the eight numbers.
-            unsafe { _mm512_storeu_pd(numbers.as_mut_ptr(), self.0) };
-            numbers
-        }
-        #[inline(always)]
         fn bits(mask: __mmask8) -> u8 {
             mask
         }
@@ -177,24 +194,95 @@ mod x86 {
             }
             // SAFETY: only code that `rows_avx512` calls uses this type; a quad is 32 bytes at a multiple of 32.
             unsafe {
-                let two = |a: usize, b: usize| {
-                    _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(_mm256_load_pd(from[a])), _mm256_load_pd(from[b]))
-                };
-                let rows = [two(0, 4), two(1, 5), two(2, 6), two(3, 7)];
-                // Pairs of lanes: x0 x1 z0 z1 x4 x5 z4 z5 and so on.
-                let xz01 = _mm512_unpacklo_pd(rows[0], rows[1]);
-                let yw01 = _mm512_unpackhi_pd(rows[0], rows[1]);
-                let xz23 = _mm512_unpacklo_pd(rows[2], rows[3]);
-                let yw23 = _mm512_unpackhi_pd(rows[2], rows[3]);
-                let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-                let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-                [
-                    Zmm(_mm512_permutex2var_pd(xz01, low, xz23)),
-                    Zmm(_mm512_permutex2var_pd(yw01, low, yw23)),
-                    Zmm(_mm512_permutex2var_pd(xz01, high, xz23)),
-                    Zmm(_mm512_permutex2var_pd(yw01, high, yw23)),
-                ]
+                columns([
+                    _mm256_load_pd(from[0]),
+                    _mm256_load_pd(from[1]),
+                    _mm256_load_pd(from[2]),
+                    _mm256_load_pd(from[3]),
+                    _mm256_load_pd(from[4]),
+                    _mm256_load_pd(from[5]),
+                    _mm256_load_pd(from[6]),
+                    _mm256_load_pd(from[7]),
+                ])
             }
+        }
+        #[inline(always)]
+        fn load_triples(field: &[[f64; 3]], index: &[u32; WIDTH]) -> Vec3<Self> {
+            let mut from = [field[0].as_ptr(); WIDTH];
+            for l in 0..WIDTH {
+                from[l] = field[index[l] as usize].as_ptr();
+            }
+            // SAFETY: only code that `rows_avx512` calls uses this type; the mask reads three numbers of each triple.
+            let [x, y, z, _] = unsafe {
+                columns([
+                    _mm256_maskz_loadu_pd(0b111, from[0]),
+                    _mm256_maskz_loadu_pd(0b111, from[1]),
+                    _mm256_maskz_loadu_pd(0b111, from[2]),
+                    _mm256_maskz_loadu_pd(0b111, from[3]),
+                    _mm256_maskz_loadu_pd(0b111, from[4]),
+                    _mm256_maskz_loadu_pd(0b111, from[5]),
+                    _mm256_maskz_loadu_pd(0b111, from[6]),
+                    _mm256_maskz_loadu_pd(0b111, from[7]),
+                ])
+            };
+            vec3(x, y, z)
+        }
+        #[inline(always)]
+        fn quads([x, y, z, w]: [Self; 4]) -> [[f64; 4]; WIDTH] {
+            let mut quads = Aligned([[0.0; 4]; WIDTH]);
+            // SAFETY: a `Zmm` exists only where AVX-512 does; two quads are the 64 bytes that each store writes.
+            unsafe {
+                // Pairs of lanes: x0 y0 x2 y2 x4 y4 x6 y6, and so on.
+                let xy_even = _mm512_unpacklo_pd(x.0, y.0);
+                let xy_odd = _mm512_unpackhi_pd(x.0, y.0);
+                let zw_even = _mm512_unpacklo_pd(z.0, w.0);
+                let zw_odd = _mm512_unpackhi_pd(z.0, w.0);
+                let low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+                let high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+                // Quads 0 and 2, 4 and 6, 1 and 3, 5 and 7.
+                let q02 = _mm512_permutex2var_pd(xy_even, low, zw_even);
+                let q46 = _mm512_permutex2var_pd(xy_even, high, zw_even);
+                let q13 = _mm512_permutex2var_pd(xy_odd, low, zw_odd);
+                let q57 = _mm512_permutex2var_pd(xy_odd, high, zw_odd);
+                let to = quads.0.as_mut_ptr().cast::<f64>();
+                _mm512_store_pd(to, _mm512_shuffle_f64x2::<0b01_00_01_00>(q02, q13));
+                _mm512_store_pd(to.add(8), _mm512_shuffle_f64x2::<0b11_10_11_10>(q02, q13));
+                _mm512_store_pd(to.add(16), _mm512_shuffle_f64x2::<0b01_00_01_00>(q46, q57));
+                _mm512_store_pd(to.add(24), _mm512_shuffle_f64x2::<0b11_10_11_10>(q46, q57));
+            }
+            quads.0
+        }
+    }
+
+    /// Where whole registers are stored.
+    #[repr(C, align(64))]
+    struct Aligned([[f64; 4]; WIDTH]);
+
+    /// Eight rows of four to four rows of eight: four insertions and eight shuffles.
+    ///
+    /// # Safety
+    /// Only on machines with AVX-512.
+    #[inline(always)]
+    unsafe fn columns(q: [__m256d; WIDTH]) -> [Zmm; 4] {
+        // SAFETY: the caller vouches for the machine.
+        unsafe {
+            let a = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(q[0]), q[4]);
+            let b = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(q[1]), q[5]);
+            let c = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(q[2]), q[6]);
+            let d = _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(q[3]), q[7]);
+            // Pairs of lanes: x0 x1 z0 z1 x4 x5 z4 z5, and so on.
+            let xz01 = _mm512_unpacklo_pd(a, b);
+            let yw01 = _mm512_unpackhi_pd(a, b);
+            let xz23 = _mm512_unpacklo_pd(c, d);
+            let yw23 = _mm512_unpackhi_pd(c, d);
+            let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+            let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+            [
+                Zmm(_mm512_permutex2var_pd(xz01, low, xz23)),
+                Zmm(_mm512_permutex2var_pd(yw01, low, yw23)),
+                Zmm(_mm512_permutex2var_pd(xz01, high, xz23)),
+                Zmm(_mm512_permutex2var_pd(yw01, high, yw23)),
+            ]
         }
     }
 }
