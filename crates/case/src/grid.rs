@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     fn near(domain: &Domain, width: f64, points: &[[f64; 3]], at: [f64; 3]) -> Vec<usize> {
-        let mut grid = Grid::new(domain, domain.min, domain.max, width, points.len());
+        let mut grid = Grid::new(domain, domain.min, domain.max, width, 1000);
         points.iter().for_each(|&p| grid.push(p));
         let mut found = Vec::new();
         grid.any_near(at, |k| {

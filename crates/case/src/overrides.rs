@@ -191,6 +191,6 @@ mod tests {
             let problems = applied(&[(path, value)]).unwrap_err();
             assert_eq!(problems[0].code, "tdem::case::bad-override", "{path}");
         }
-        assert_eq!(applied(&[("size", "bg")]).unwrap_err()[0].help.as_deref(), Some("did you mean `big`?"));
+        assert_eq!(applied(&[("size", "bgi")]).unwrap_err()[0].help.as_deref(), Some("did you mean `big`?"));
     }
 }

@@ -13,9 +13,15 @@ pub(crate) fn check(tree: &Node, schema: &Json) -> Vec<Problem> {
 
 /// Which of some words an unknown one may have meant.
 pub(crate) fn nearest<'w>(unknown: &str, words: impl IntoIterator<Item = &'w str>) -> Option<&'w str> {
+    let unknown = unknown.to_lowercase();
+    let likeness = |word: &str| {
+        let word = word.to_lowercase();
+        // One slip of the finger in a short word is much by any relative measure.
+        if strsim::damerau_levenshtein(&unknown, &word) == 1 { 1.0 } else { strsim::jaro_winkler(&unknown, &word) }
+    };
     words
         .into_iter()
-        .map(|word| (strsim::jaro_winkler(&unknown.to_lowercase(), &word.to_lowercase()), word))
+        .map(|word| (likeness(word), word))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|best| best.0 > 0.75)
         .map(|best| best.1)
