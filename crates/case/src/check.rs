@@ -125,29 +125,27 @@ impl Checker<'_> {
     fn parameters(&mut self, interaction: &Interaction, index: &str) {
         let rubs = self.case.model != Model::GN;
         let viscous = self.case.contact.damping == Damping::Viscous;
-        let (model, damping) = (self.place(&["model"]), self.place(&["contact", "damping"]));
-        let needed: [(&str, bool, bool, &Range<usize>, &str); 5] = [
-            ("static_friction", interaction.static_friction.is_none(), rubs, &model, "this model rubs"),
-            ("dynamic_friction", interaction.dynamic_friction.is_none(), rubs, &model, "this model rubs"),
-            ("tangential_damping", interaction.tangential_damping.is_none(), rubs, &model, "this model rubs"),
-            ("normal_damping", interaction.normal_damping.is_none(), viscous, &damping, "damping is viscous"),
-            ("restitution", interaction.restitution.is_none(), !viscous, &damping, "damping is by restitution"),
+        let (model, damping): (&[&str], &[&str]) = (&["model"], &["contact", "damping"]);
+        let needed = [
+            ("static_friction", interaction.static_friction.is_none(), rubs, model, "this model rubs"),
+            ("dynamic_friction", interaction.dynamic_friction.is_none(), rubs, model, "this model rubs"),
+            ("tangential_damping", interaction.tangential_damping.is_none(), rubs, model, "this model rubs"),
+            ("normal_damping", interaction.normal_damping.is_none(), viscous, damping, "damping is viscous"),
+            ("restitution", interaction.restitution.is_none(), !viscous, damping, "damping is by restitution"),
         ];
         for (key, absent, required, cause, why) in needed {
             if !(absent && required) {
                 continue;
             }
-            let place = self.place(&["interaction", index]);
+            let [first, second] = &interaction.between;
             let mut problem = Problem::error(
                 "tdem::case::missing-parameter",
-                format!(
-                    "the interaction of `{}` and `{}` lacks `{key}`",
-                    interaction.between[0], interaction.between[1]
-                ),
+                format!("the interaction of `{first}` and `{second}` lacks `{key}`"),
             )
-            .at(place, format!("`{key}` is needed here, because {why}"));
-            if !cause.is_empty() && self.tree.get(&["contact", "damping"]).is_some() | (cause == &model) {
-                problem = problem.at(cause.clone(), why);
+            .at(self.place(&["interaction", index]), format!("`{key}` belongs here"));
+            // A choice left to its default has no line to show.
+            if let Some(cause) = self.tree.get(cause) {
+                problem = problem.at(cause.span.clone(), why);
             }
             self.push(problem.help(match key {
                 "restitution" => {

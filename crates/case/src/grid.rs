@@ -102,7 +102,9 @@ mod tests {
 
     fn near(domain: &Domain, width: f64, points: &[[f64; 3]], at: [f64; 3]) -> Vec<usize> {
         let mut grid = Grid::new(domain, domain.min, domain.max, width, 1000);
-        points.iter().for_each(|&p| grid.push(p));
+        for &point in points {
+            grid.push(point);
+        }
         let mut found = Vec::new();
         grid.any_near(at, |k| {
             found.push(k);

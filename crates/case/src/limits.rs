@@ -2,7 +2,7 @@
 
 use crate::build::Context;
 use crate::load::Loaded;
-use crate::problem::{Label, Problem};
+use crate::problem::{Label, Problem, number};
 use crate::schema::{Damping, Integrator, Model, Step};
 use std::ops::Range;
 use tdem_engine::physics::contact::Interaction;
@@ -18,6 +18,11 @@ const STEPS_PER_IMPACT: f64 = 20.0;
 /// Rate at which a tangential dashpot slows the contact point of two turning spheres, over that of its coefficient:
 /// the point gives way by $1/m^* + R^2/I$ on each side, 7/2 times as easily as without turning.
 const TURNING: f64 = 3.5;
+
+/// With more particles than this, one can have twelve neighbours, and dashpots add up as in a dense packing.
+const FEW: usize = 12;
+/// With fewer, a sphere feels at most about this multiple of the damping of one contact: estimate.
+const FEW_CONTACTS: f64 = 2.0;
 
 /// One limit of the time step.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,8 +180,11 @@ impl StepLimits {
             }
             told.push(limit.name);
             let message = format!(
-                "time.step is {:.4e} s, larger than {:.4e} s, the limit by {} ({})",
-                self.step, limit.seconds, limit.name, limit.cause
+                "time.step is {} s, larger than {} s, the limit by {} ({})",
+                number(self.step),
+                number(limit.seconds),
+                limit.name,
+                limit.cause
             );
             let mut problem = if limit.proven {
                 Problem::error("tdem::case::step-unstable", message + ": the run would diverge")
@@ -184,7 +192,7 @@ impl StepLimits {
                 Problem::warning("tdem::case::step-large", message + ", which is an estimate")
             };
             let remedy = if limit.proven { "must be at most" } else { "should be at most" };
-            problem = problem.at(loaded.tree.place(&["time", "step"]), format!("{remedy} {:.4e} s", limit.seconds));
+            problem = problem.at(loaded.tree.place(&["time", "step"]), format!("{remedy} {} s", number(limit.seconds)));
             problem.labels.extend(limit.labels.iter().cloned());
             problems.push(problem.help("write step = \"auto\" to get the largest safe step"));
         }
@@ -211,20 +219,10 @@ impl Finder<'_> {
     /// Where the smallest radius of a material comes from.
     fn radius_label(&self, material: usize) -> Option<Label> {
         let (radius, group) = self.found.smallest[material];
-        let key = group.to_string();
-        let of = &self.context.loaded.case.particles[group];
-        let path: &[&str] = if of.lattice.is_some() {
-            &["particles", &key, "lattice", "radius"]
-        } else if of.random.is_some() {
-            &["particles", &key, "random", "radius"]
-        } else if of.list.is_some() {
-            &["particles", &key, "list", "radius"]
-        } else {
-            &["particles", &key]
-        };
-        radius
-            .is_finite()
-            .then(|| self.label(path, &format!("smallest radius of `{}`: {radius} m", self.name(material))))
+        radius.is_finite().then(|| Label {
+            span: self.context.radius_place(group),
+            text: format!("smallest radius of `{}`: {} m", self.name(material), number(radius)),
+        })
     }
 
     fn add(&mut self, name: &'static str, seconds: f64, proven: bool, cause: String, labels: Vec<Label>) {
@@ -238,7 +236,8 @@ impl Finder<'_> {
         let time =
             rayleigh_time(radius, self.context.materials.density[material], self.context.materials.elastic[material]);
         let fraction = if self.gear() { 0.1 } else { 0.2 };
-        let cause = format!("{fraction} of {time:.4e} s, `{}` of radius {radius} m", self.name(material));
+        let cause =
+            format!("{fraction} of {} s, `{}` of radius {} m", number(time), self.name(material), number(radius));
         let mut labels: Vec<Label> = self.radius_label(material).into_iter().collect();
         labels.push(self.label(&["material", self.name(material), "young_modulus"], "stiffness of the material"));
         self.add("Rayleigh waves", fraction * time, false, cause, labels);
@@ -269,9 +268,11 @@ impl Finder<'_> {
         let modulus = young_modulus_eff(self.context.materials.elastic[a], self.context.materials.elastic[b]);
         let time = hertz_collision_time(mass, radius, modulus, speed);
         let cause = format!(
-            "1/{STEPS_PER_IMPACT} of {time:.4e} s, impact of `{}` on `{}` at {speed:.3} m/s",
+            "1/{STEPS_PER_IMPACT} of {} s, impact of `{}` on `{}` at {} m/s",
+            number(time),
             self.name(a),
-            self.name(b)
+            self.name(b),
+            number(speed)
         );
         let labels = self.radius_label(a).or_else(|| self.radius_label(b)).into_iter().collect();
         self.add("impact", time / STEPS_PER_IMPACT, false, cause, labels);
@@ -281,7 +282,8 @@ impl Finder<'_> {
         let Some(given) = self.context.materials.given(a, b) else { return };
         let given = given.to_string();
         let (alone, dense) = if self.gear() { (GEAR_DASHPOT_LIMIT, 0.16) } else { (VERLET_DASHPOT_LIMIT, 1.0) };
-        let dense = dense / DENSE_PACKING_DAMPING;
+        let crowd = if self.found.counts.iter().sum::<usize>() > FEW { DENSE_PACKING_DAMPING } else { FEW_CONTACTS };
+        let dense = dense / crowd;
         let case = &self.context.loaded.case;
         let pair = format!("`{}` and `{}`", self.name(a), self.name(b));
 
@@ -292,17 +294,17 @@ impl Finder<'_> {
             (self.restitution_rate(a, b, interaction), "restitution")
         };
         let labels = vec![self.label(&["interaction", &given, key], "damping of this pair")];
-        let cause = format!("damping {rate:.4e} 1/s of {pair}");
+        let cause = format!("damping {} 1/s of {pair}", number(rate));
         // By restitution the rate depends on how hard the impact is, so that no bound can be proved.
         self.add("the normal dashpot alone", alone / rate, viscous, cause.clone(), labels.clone());
-        self.add("normal damping in a dense packing", dense / rate, false, cause, labels);
+        self.add("the normal dashpots of all contacts", dense / rate, false, cause, labels);
 
         if case.model != Model::GN {
             let rate = interaction.tangential_damping * if case.model == Model::GNTM { TURNING } else { 1.0 };
             let labels = vec![self.label(&["interaction", &given, "tangential_damping"], "damping of this pair")];
-            let cause = format!("damping {rate:.4e} 1/s of {pair}, turning included");
+            let cause = format!("damping {} 1/s of {pair}, turning included", number(rate));
             // Sliding caps the force, so that too large a step does not diverge here.
-            self.add("tangential damping in a dense packing", dense / rate, false, cause, labels);
+            self.add("the tangential dashpots of all contacts", dense / rate, false, cause, labels);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::problem::Problem;
 use crate::structure::suggestion;
+use crate::tree::Node;
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 /// Applies the preset that `size` chooses, then every `key.path=value`. Returns the effective text.
@@ -14,7 +15,7 @@ pub(crate) fn apply(text: &str, overrides: &[(String, String)]) -> Result<String
     for (path, value) in overrides.iter().filter(|(path, _)| chooses(path)) {
         set(&mut document, path, value, &mut problems);
     }
-    preset(&mut document, &mut problems);
+    preset(&mut document, text, &mut problems);
     for (path, value) in overrides.iter().filter(|(path, _)| !chooses(path)) {
         set(&mut document, path, value, &mut problems);
     }
@@ -26,7 +27,7 @@ fn refused(path: &str, value: &str, why: &str) -> Problem {
     Problem::error("tdem::case::bad-override", format!("--set {path}={value}: {why}"))
 }
 
-fn preset(document: &mut DocumentMut, problems: &mut Vec<Problem>) {
+fn preset(document: &mut DocumentMut, text: &str, problems: &mut Vec<Problem>) {
     let Some(size) = document.get("size").and_then(Item::as_str).map(str::to_owned) else { return };
     let names: Vec<String> = document
         .get("sizes")
@@ -35,11 +36,15 @@ fn preset(document: &mut DocumentMut, problems: &mut Vec<Problem>) {
     let overlay = document.get("sizes").and_then(|sizes| sizes.get(&size)).cloned();
     let Some(overlay) = overlay.as_ref().and_then(Item::as_table_like) else {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        problems.push(
-            Problem::error("tdem::case::unknown-size", format!("there is no preset `{size}`")).help(
-                if names.is_empty() { "the case defines no [sizes]".to_owned() } else { suggestion(&size, &names) },
-            ),
-        );
+        let help = if names.is_empty() { "the case defines no [sizes]".to_owned() } else { suggestion(&size, &names) };
+        let problem = Problem::error("tdem::case::unknown-size", format!("there is no preset `{size}`")).help(help);
+        // The presets are shown where the choice itself came from the command line.
+        let tree = Node::parse(text).ok();
+        let place = tree.and_then(|tree| tree.get(&["size"]).or(tree.get(&["sizes"])).map(|node| node.span.clone()));
+        problems.push(match place {
+            Some(place) => problem.at(place, format!("`{size}` is not among the presets")),
+            None => problem,
+        });
         return;
     };
     merge(document.as_table_mut(), overlay);

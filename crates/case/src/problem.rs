@@ -67,12 +67,14 @@ impl Problem {
 pub struct Problems {
     /// What the labels point into.
     pub source: Source,
-    /// The problems, in order of discovery.
+    /// The problems: errors, then warnings, each in the order of the text.
     pub problems: Vec<Problem>,
 }
 
 impl Problems {
-    pub(crate) fn new(source: &Source, problems: Vec<Problem>) -> Self {
+    pub(crate) fn new(source: &Source, mut problems: Vec<Problem>) -> Self {
+        let place = |problem: &Problem| problem.labels.first().map_or(0, |label| label.span.start);
+        problems.sort_by_key(|problem| (problem.severity == Severity::Warning, place(problem)));
         Problems { source: source.clone(), problems }
     }
     /// Whether any of them keeps the case from running.
@@ -89,6 +91,28 @@ pub(crate) fn unless_error<T>(source: &Source, problems: Vec<Problem>, value: T)
 }
 
 impl std::error::Error for Problems {}
+
+/// A number as a message shows it: at most five digits, no exponent where it is easy to read without.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let scientific = format!("{value:.4e}");
+    if (1e-3..1e5).contains(&size) {
+        // Rounded to five digits first, then written plainly without trailing zeros.
+        return scientific.parse::<f64>().map_or(scientific, |rounded| format!("{rounded}"));
+    }
+    match scientific.split_once('e') {
+        Some((digits, exponent)) => format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.')),
+        None => scientific,
+    }
+}
+
+/// A number of things: "1 particle", "3 particles".
+pub(crate) fn counted(count: usize, thing: &str) -> String {
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
+}
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -141,6 +165,12 @@ fn floor_boundary(text: &str, index: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let shown: Vec<String> = [0.0, 0.22, 1.0 / 3.0, 2.0e-5, 123_456.0, 1.5e-5].map(number).into();
+        assert_eq!(shown, ["0", "0.22", "0.33333", "2e-5", "1.2346e5", "1.5e-5"]);
+    }
 
     #[test]
     fn labels_underline_their_place() {

@@ -1,6 +1,6 @@
 //! How long a run lasts and when it writes.
 
-use crate::schema::{Case, Field};
+use crate::schema::{Case, Field, Positive};
 
 /// Frames after the first, if the case does not say.
 const FRAMES: u32 = 50;
@@ -39,7 +39,7 @@ impl Schedule {
         Schedule {
             steps,
             frame_every,
-            history_every: every(output.history_interval.map_or(end / HISTORY_ROWS, |interval| interval.get())),
+            history_every: every(output.history_interval.map_or(end / HISTORY_ROWS, Positive::get)),
             checkpoint_every: output.checkpoint_interval.map(|interval| every(interval.get())),
             checkpoint_interval_secs: output.checkpoint_interval_secs.get(),
             fields: output.fields.clone(),

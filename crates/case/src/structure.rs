@@ -88,8 +88,10 @@ impl<'s> Checker<'s> {
         let mut problem =
             Problem::error("tdem::case::wrong-type", format!("{what} is {}, but must be {expected}", node.kind()))
                 .at(node.span.clone(), format!("expected {expected}"));
-        if matches!(&node.value, Value::String(text) if text.trim().parse::<f64>().is_ok()) {
-            problem = problem.help("numbers stand without quotes");
+        if matches!(&node.value, Value::String(text) if text.trim().starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+            && expected.contains("number")
+        {
+            problem = problem.help("numbers stand without quotes and without units; all units are SI");
         }
         self.problems.push(problem);
     }
@@ -232,11 +234,12 @@ impl<'s> Checker<'s> {
         };
         if !words.contains(&text.as_str()) {
             let message = format!("`{path}` is \"{text}\", but must be one of {}", listed(words.iter().copied()));
-            self.problems.push(
-                Problem::error("tdem::case::unknown-choice", message)
-                    .at(node.span.clone(), "not one of the choices")
-                    .help(suggestion(text, words)),
-            );
+            let mut problem =
+                Problem::error("tdem::case::unknown-choice", message).at(node.span.clone(), "not one of the choices");
+            if let Some(word) = nearest(text, words.iter().copied()) {
+                problem = problem.help(format!("did you mean `{word}`?"));
+            }
+            self.problems.push(problem);
         }
     }
 

@@ -42,7 +42,7 @@ pub(super) fn place(
             .map(|f| fail(f.code, format!("{name}:{}: {}", f.line, f.what), "in this file", &f.help))
             .collect();
         if let (Some(last), 1..) = (problems.last_mut(), more) {
-            last.message += &format!(" (and {more} more problems in this file)");
+            last.message = format!("{} (and {more} more problems in this file)", last.message);
         }
         problems
     })

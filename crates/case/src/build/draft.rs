@@ -1,7 +1,7 @@
 //! A state in the making.
 
 use super::Context;
-use crate::problem::Problem;
+use crate::problem::{Problem, counted, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::Particles;
 use std::f64::consts::PI;
@@ -82,7 +82,7 @@ impl Draft {
         Some(
             Problem::error(
                 "tdem::case::duplicate-id",
-                format!("{} ids are used twice, the first of them {}", repeated.len(), first[0].0),
+                format!("{} used twice, the first is {}", counted(repeated.len(), "id"), first[0].0),
             )
             .at(context.place(usize::from(first[1].1), &[]), "again in this group")
             .at(context.place(usize::from(first[0].1), &[]), "first in this group")
@@ -128,7 +128,7 @@ impl Draft {
 pub(super) fn too_many(context: &Context<'_>, group: usize, count: f64) -> Problem {
     Problem::error(
         "tdem::case::too-many-particles",
-        format!("these would be {count:.3e} particles; there are ids for {}", u32::MAX),
+        format!("these would be {} particles; there are ids for {}", number(count), u32::MAX),
     )
     .at(context.place(group, &[]), "too many")
     .help("check the radius and the extent of the region; lengths are in metres")

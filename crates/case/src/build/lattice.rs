@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::draft::{Spheres, too_many};
-use crate::problem::Problem;
+use crate::problem::{Problem, number};
 use crate::schema::{Align, CellKind, Lattice};
 
 /// Places of the spheres in a cell, in units of the lattice constant.
@@ -52,8 +52,11 @@ pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Resu
         return Err(Problem::error(
             "tdem::case::region-too-small",
             format!(
-                "no lattice cell fits: a cell is {a:.4e} m wide, the region {:.4e} x {:.4e} x {:.4e} m",
-                room[0], room[1], room[2]
+                "no lattice cell fits: a cell is {} m wide, the region {} x {} x {} m",
+                number(a),
+                number(room[0]),
+                number(room[1]),
+                number(room[2])
             ),
         )
         .at(context.place(group, &["lattice", "radius"]), "sets the size of a cell")

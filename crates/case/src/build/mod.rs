@@ -143,6 +143,23 @@ impl<'c> Context<'c> {
         self.loaded.tree.place(&[&["particles", &group.to_string()], keys].concat())
     }
 
+    /// The place that says how large particles of a group are.
+    pub(crate) fn radius_place(&self, group: usize) -> std::ops::Range<usize> {
+        let of = &self.loaded.case.particles[group];
+        let keys: &[&str] = if of.lattice.is_some() {
+            &["lattice", "radius"]
+        } else if of.random.is_some() {
+            &["random", "radius"]
+        } else if of.list.is_some() {
+            &["list", "radius"]
+        } else if of.csv.is_some() {
+            &["csv", "file"]
+        } else {
+            &["run", "directory"]
+        };
+        self.place(group, keys)
+    }
+
     fn wall_materials(&self) -> Vec<bool> {
         let mut present = vec![false; self.materials.len()];
         self.planes.iter().for_each(|plane| present[usize::from(plane.wall.material)] = true);

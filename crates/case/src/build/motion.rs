@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::draft::Draft;
-use crate::problem::Problem;
+use crate::problem::{Problem, counted, number};
 use crate::schema::{Axis, Particles};
 use tdem_engine::Constraint;
 
@@ -84,7 +84,7 @@ pub(super) fn symmetry(context: &Context<'_>, draft: &mut Draft, table: &mut Vec
                     "tdem::case::symmetry-empty",
                     format!("no centre lies on the plane {name} = {} m", plane.at),
                 )
-                .at(place.clone(), format!("the nearest centre is {nearest:.4e} m away"))
+                .at(place.clone(), format!("the nearest centre is {} m away", number(nearest)))
                 .help("a plane of symmetry goes through centres of particles"),
             );
         }
@@ -92,7 +92,11 @@ pub(super) fn symmetry(context: &Context<'_>, draft: &mut Draft, table: &mut Vec
             problems.push(
                 Problem::error(
                     "tdem::case::symmetry-conflict",
-                    format!("{conflicts} particles on the plane {name} = {} m are prescribed to leave it", plane.at),
+                    format!(
+                        "{} on the plane {name} = {} m prescribed to leave it",
+                        counted(conflicts, "particle"),
+                        plane.at
+                    ),
                 )
                 .at(place, "their mirror images would move the other way")
                 .help("do not prescribe the normal velocity or turning about an axis in the plane"),

@@ -4,7 +4,7 @@ use super::Context;
 use super::draft::Draft;
 use crate::grid::Grid;
 use crate::limits::Found;
-use crate::problem::Problem;
+use crate::problem::{Problem, counted, number};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use tdem_engine::Domain;
@@ -55,8 +55,12 @@ fn outside(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
             Problem::error(
                 "tdem::case::outside-domain",
                 format!(
-                    "{count} particles are outside the domain, the first of them {} at [{x:.6}, {y:.6}, {z:.6}] m",
-                    draft.state.id[first]
+                    "{} outside the domain: id {} at [{}, {}, {}] m",
+                    counted(count, "particle"),
+                    draft.state.id[first],
+                    number(x),
+                    number(y),
+                    number(z)
                 ),
             )
             .at(source_place(context, usize::from(group)), "these particles")
@@ -104,11 +108,11 @@ fn walls(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
             Problem::error(
                 "tdem::case::through-wall",
                 format!(
-                    "{} particles reach through wall `{}`; the deepest, {id}, by {:.4e} m, {:.3} of its radius",
-                    worst.count,
+                    "{} through wall `{}`: id {id} reaches {} m behind it, {} of its radius",
+                    counted(worst.count, "particle"),
                     plane.wall.name,
-                    worst.depth,
-                    worst.depth / radius
+                    number(worst.depth),
+                    number(worst.depth / radius)
                 ),
             )
             .at(source_place(context, usize::from(group)), "these particles")
@@ -190,8 +194,12 @@ fn overlaps(context: &Context<'_>, draft: &Draft) -> Option<Problem> {
     let mut problem = Problem::error(
         "tdem::case::overlap",
         format!(
-            "{pairs} pairs of particles overlap at the start; the worst are {} and {}, by {depth:.4e} m, {:.4} of the smaller radius",
-            state.id[a], state.id[b], worst.ratio
+            "{} overlapping at the start; the worst, ids {} and {}, by {} m, {} of the smaller radius",
+            counted(pairs, "pair"),
+            state.id[a],
+            state.id[b],
+            number(depth),
+            number(worst.ratio)
         ),
     );
     let (first, second) = (usize::from(draft.group[a]), usize::from(draft.group[b]));
@@ -231,13 +239,14 @@ pub(super) fn period_is_wide_enough(context: &Context<'_>, found: &Found, proble
                 Problem::error(
                     "tdem::case::period-too-short",
                     format!(
-                        "the domain repeats in {axis} after {} m, but must be at least {least:.4e} m long",
-                        length[k]
+                        "the domain repeats in {axis} after {} m, but must be at least {} m long",
+                        length[k],
+                        number(least)
                     ),
                 )
                 .at(context.loaded.tree.place(&["domain", "max"]), format!("too close to min in {axis}"))
                 .at(
-                    context.place(found.largest_group, &[]),
+                    context.radius_place(found.largest_group),
                     format!("radius {} m sets the limit", found.largest_radius),
                 )
                 .help("a repeating direction holds at least two of the largest diameters and the search's skin twice"),

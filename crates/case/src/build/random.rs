@@ -3,7 +3,7 @@
 use super::Context;
 use super::draft::{Draft, Spheres, too_many};
 use crate::grid::Grid;
-use crate::problem::Problem;
+use crate::problem::{Problem, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::{Radius, Random, Region, SizeDistribution};
 use std::f64::consts::PI;
@@ -164,10 +164,11 @@ fn full(
     Problem::error(
         "tdem::case::no-room",
         format!(
-            "only {} of {} spheres found a place, {:.3} of the region's volume instead of {wanted:.3}",
+            "only {} of {} spheres found a place, {} of the region's volume instead of {}",
             placed.len(),
             radius.len(),
-            reached
+            number(reached),
+            number(wanted)
         ),
     )
     .at(context.place(group, &["random", key]), "too many")

@@ -275,7 +275,7 @@ pub struct Container {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub max: Option<[f64; 3]>,
-    /// Faces to leave out, such as ["+z"] for an open top.
+    /// Faces to leave out: `open = ["+z"]` for an open top.
     #[serde(default)]
     pub open: Vec<Face>,
     /// Velocity, m/s.
