@@ -87,7 +87,7 @@ impl Loaded {
         }
         let size = case.size.as_ref().map_or(String::new(), |size| format!("# Preset applied: {size}\n"));
         // All types serialise; if one did not, the text as read would still be the case.
-        let body = toml::to_string_pretty(&case).unwrap_or_else(|_| self.source.text.clone());
+        let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());
         format!("# Every default written out.\n{size}{body}")
     }
 

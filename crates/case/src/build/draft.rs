@@ -7,6 +7,10 @@ use crate::schema::Particles;
 use std::f64::consts::PI;
 use tdem_engine::{Contact, Plan, State};
 
+/// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
+/// memory.
+pub(super) const MOST_PARTICLES: u64 = 1 << 28;
+
 /// What a source of particles gives. Empty vectors leave the rest to the group's keys.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spheres {
@@ -39,7 +43,7 @@ impl Draft {
     ) -> Result<(), Problem> {
         let count = spheres.position.len();
         let needed = self.next_id + count as u64;
-        if spheres.id.is_empty() && needed > u64::from(u32::MAX) {
+        if needed > u64::from(u32::MAX) && spheres.id.is_empty() {
             return Err(too_many(context, index, needed as f64));
         }
         let material = group.material.as_deref().map(|name| context.materials.index(name));
@@ -124,11 +128,11 @@ impl Draft {
     }
 }
 
-/// A number of particles that ids cannot count.
+/// A number of particles that cannot be meant.
 pub(super) fn too_many(context: &Context<'_>, group: usize, count: f64) -> Problem {
     Problem::error(
         "tdem::case::too-many-particles",
-        format!("these would be {} particles; there are ids for {}", number(count), u32::MAX),
+        format!("these would be {} particles; at most {MOST_PARTICLES} are possible", number(count)),
     )
     .at(context.place(group, &[]), "too many")
     .help("check the radius and the extent of the region; lengths are in metres")

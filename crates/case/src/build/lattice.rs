@@ -1,7 +1,7 @@
 //! Spheres on a regular lattice.
 
 use super::Context;
-use super::draft::{Spheres, too_many};
+use super::draft::{MOST_PARTICLES, Spheres, too_many};
 use crate::problem::{Problem, number};
 use crate::schema::{Align, CellKind, Lattice};
 
@@ -62,7 +62,7 @@ pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Resu
         .at(context.place(group, &["lattice", "radius"]), "sets the size of a cell")
         .help("enlarge the region or take smaller spheres"));
     }
-    if count > f64::from(u32::MAX) {
+    if count > MOST_PARTICLES as f64 {
         return Err(too_many(context, group, count));
     }
     let first: [f64; 3] = spec.origin.unwrap_or_else(|| {

@@ -1,7 +1,7 @@
 //! Spheres at random places, without overlap, one after the other.
 
 use super::Context;
-use super::draft::{Draft, Spheres, too_many};
+use super::draft::{Draft, MOST_PARTICLES, Spheres, too_many};
 use crate::grid::Grid;
 use crate::problem::{Problem, number};
 use crate::rng::{Stream, uniform4};
@@ -59,7 +59,7 @@ fn radii(context: &Context<'_>, group: usize, spec: &Random, region: &Region) ->
     let target = fraction.get() * volume(region);
     let [smallest, _] = spec.radius.bounds();
     let most = target / sphere_volume(smallest);
-    if most > f64::from(u32::MAX) {
+    if most > MOST_PARTICLES as f64 {
         return Err(too_many(context, group, most));
     }
     let mut radii = Vec::new();
