@@ -159,10 +159,11 @@ pub fn respond<R: Real>(
     let earlier_overlap = (overlap + normal_speed * step).max(R::lit(0.0));
     let shear = tangential::Shear {
         normal,
-        velocity: relative_velocity - normal * normal_speed,
-        stiffness: interaction.tangential_stiffness * contact_radius,
-        earlier_stiffness: interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt(),
-        damping: interaction.tangential_damping * mass_eff,
+        velocity: (relative_velocity - normal * normal_speed).named(["shear_x", "shear_y", "shear_z"]),
+        stiffness: (interaction.tangential_stiffness * contact_radius).named("stiffness"),
+        earlier_stiffness: (interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt())
+            .named("earlier_stiffness"),
+        damping: (interaction.tangential_damping * mass_eff).named("damping"),
         step,
     };
     let pressed = normal_force.max(R::lit(0.0));
@@ -190,4 +191,19 @@ pub fn stored_energy<R: Real>(
     let normal = R::lit(0.4) * (interaction.normal_stiffness * contact_radius) * (overlap * overlap);
     let tangential = R::lit(0.5) * (interaction.tangential_stiffness * contact_radius) * displacement.dot(displacement);
     (normal, tangential)
+}
+
+/// Energy that a tangential spring still held when its contact opened during the step, J:
+/// $\tfrac12k_t\delta^2$ at the overlap of the last step.
+#[inline(always)]
+pub fn released_energy<R: Real>(
+    encounter: &Encounter<R>,
+    displacement: Vec3<R>,
+    interaction: &Interaction<R>,
+    step: R,
+) -> R {
+    let normal_speed = encounter.relative_velocity.dot(encounter.normal);
+    let earlier_overlap = (encounter.overlap + normal_speed * step).max(R::lit(0.0));
+    let stiffness = interaction.tangential_stiffness * (encounter.radius_eff * earlier_overlap).sqrt();
+    R::lit(0.5) * stiffness * displacement.dot(displacement)
 }

@@ -9,7 +9,7 @@ mod scalar;
 mod symbolic;
 
 pub use lanes::{Lanes, WIDTH};
-pub use symbolic::{Symbol, SymbolMask};
+pub use symbolic::{CFunction, Operations, Recorder, Symbol, SymbolMask};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

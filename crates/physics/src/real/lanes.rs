@@ -12,20 +12,20 @@ pub const WIDTH: usize = 8;
 pub struct Lanes(pub [f64; WIDTH]);
 
 macro_rules! operators {
-    ($($operator:ident $function:ident $sign:tt),*) => {$(
+    ($($operator:ident $function:ident $assign:tt),*) => {$(
         impl $operator for Lanes {
             type Output = Self;
             #[inline(always)]
             fn $function(mut self, other: Self) -> Self {
                 for lane in 0..WIDTH {
-                    self.0[lane] = self.0[lane] $sign other.0[lane];
+                    self.0[lane] $assign other.0[lane];
                 }
                 self
             }
         }
     )*};
 }
-operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+operators!(Add add +=, Sub sub -=, Mul mul *=, Div div /=);
 
 impl Neg for Lanes {
     type Output = Self;
