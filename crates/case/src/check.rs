@@ -305,7 +305,7 @@ impl Checker<'_> {
         }
         match &group.material {
             Some(name) => self.material(name, false, &["particles", index, "material"]),
-            None if group.csv.is_none() && group.run.as_ref().is_none_or(|run| run.materials.is_empty()) => self.push(
+            None if group.csv.is_none() && group.run.is_none() => self.push(
                 Problem::error("tdem::case::missing-key", "these particles have no material")
                     .at(here, "`material` belongs here")
                     .help("add `material = \"...\"`, the name of a [material.NAME] table"),

@@ -1,6 +1,6 @@
 //! How long a run lasts and when it writes.
 
-use crate::schema::{Case, Field, Positive};
+use crate::schema::{Case, Positive, Precision};
 
 /// Frames after the first, if the case does not say.
 const FRAMES: u32 = 50;
@@ -20,8 +20,19 @@ pub struct Schedule {
     pub checkpoint_every: Option<u64>,
     /// A checkpoint after so many seconds on the clock.
     pub checkpoint_interval_secs: f64,
-    /// What is written of each particle, besides its id, position and radius.
-    pub fields: Vec<Field>,
+    /// What frames hold.
+    pub fields: Fields,
+}
+
+/// What frames hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fields {
+    /// Whether contacts are written as lines between centres.
+    pub contacts: bool,
+    /// Precision of real numbers.
+    pub precision: Precision,
+    /// How hard frames are compressed, 0 to 9.
+    pub compression: u32,
 }
 
 impl Schedule {
@@ -42,7 +53,7 @@ impl Schedule {
             history_every: every(output.history_interval.map_or(end / HISTORY_ROWS, Positive::get)),
             checkpoint_every: output.checkpoint_interval.map(|interval| every(interval.get())),
             checkpoint_interval_secs: output.checkpoint_interval_secs.get(),
-            fields: output.fields.clone(),
+            fields: Fields { contacts: output.contacts, precision: output.precision, compression: output.compression },
         }
     }
 }

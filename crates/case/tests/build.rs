@@ -258,6 +258,9 @@ fn the_state_of_another_run_goes_on() {
     let built = loaded(&format!("{run}{more}"), &[]).unwrap().build_with(&loader).unwrap();
     assert_eq!(built.state.id, [2, 5, 9, 10], "particles of a run may overlap each other; others get the next ids");
     assert_eq!(built.state.contacts, state.contacts);
+    let nameless = run.replace("material = 'a'\n", "");
+    let built = loaded(&nameless, &[]).unwrap().build_with(&loader);
+    assert_eq!(built.unwrap_err().problems[0].code, "tdem::case::run-materials");
     let by_name = run.replace("material = 'a'\n", "").replace("'earlier'", "'earlier'\nmaterials = ['b']");
     let built = loaded(&by_name, &[]).unwrap().build_with(&loader);
     assert_eq!(built.unwrap_err().problems[0].code, "tdem::case::missing-interaction");
@@ -338,4 +341,11 @@ fn the_schema_documents_every_key_with_its_unit() {
     assert!(keys > 60, "{keys}");
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["$defs"]["Material"]["properties"]["density"]["exclusiveMinimum"], 0.0);
+}
+
+#[test]
+fn whole_numbers_need_no_point() {
+    let built = build(ONE, &[("gravity", "[0, 0, -10]"), ("time.end", "2"), ("time.step", "1e-3")]);
+    assert_eq!(built.plan.gravity, [0.0, 0.0, -10.0]);
+    assert_eq!(built.schedule.steps, 2000);
 }

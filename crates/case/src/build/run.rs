@@ -4,6 +4,7 @@ use super::Context;
 use super::draft::Spheres;
 use crate::problem::Problem;
 use crate::schema::{Particles, Run};
+use crate::structure::suggestion;
 use std::path::Path;
 use tdem_engine::State;
 
@@ -48,16 +49,8 @@ pub(super) fn place(
     let material = if particles.material.is_some() {
         Vec::new()
     } else {
-        let given: Vec<u16> = spec.materials.iter().map(|name| context.materials.index(name)).collect();
-        let renamed: Option<Vec<u16>> = state.material.iter().map(|&m| given.get(usize::from(m)).copied()).collect();
-        renamed.ok_or_else(|| {
-            let highest = state.material.iter().max().map_or(0, |&m| usize::from(m) + 1);
-            Problem::error(
-                "tdem::case::run-materials",
-                format!("that run has {highest} materials, but {} are named", given.len()),
-            )
-            .at(context.place(group, &["run", "materials"]), "one name for each material of that run")
-        })?
+        let names = if spec.materials.is_empty() { names_in(&directory) } else { spec.materials.clone() };
+        renamed(context, group, &names, &state)?
     };
     Ok(Spheres {
         position: state.position,
@@ -69,4 +62,41 @@ pub(super) fn place(
         // Walls may be others here, so only the histories of pairs go on.
         contacts: state.contacts,
     })
+}
+
+/// Names of the materials of a run in the order of their indices, from the case that it keeps.
+fn names_in(directory: &Path) -> Vec<String> {
+    crate::load(&directory.join("case.toml"), &[]).map_or(Vec::new(), |run| run.case.material.into_keys().collect())
+}
+
+/// The materials of a state as indices of this case.
+fn renamed(context: &Context<'_>, group: usize, names: &[String], state: &State) -> Result<Vec<u16>, Problem> {
+    let here = &context.loaded.case.material;
+    let problem = |what: String, help: String| {
+        Problem::error("tdem::case::run-materials", what)
+            .at(context.place(group, &["run"]), "materials of this run")
+            .help(help)
+    };
+    let used: std::collections::BTreeSet<u16> = state.material.iter().copied().collect();
+    for material in &used {
+        match names.get(usize::from(*material)) {
+            None => {
+                return Err(problem(
+                    format!(
+                        "particles of that run have material {material}, counted from 0, for which there is no name"
+                    ),
+                    "name all of them, materials = [...], or give the group one `material`".to_owned(),
+                ));
+            }
+            Some(name) if !here.contains_key(name) => {
+                let known: Vec<&str> = here.keys().map(String::as_str).collect();
+                return Err(problem(
+                    format!("particles of that run are made of `{name}`, which this case does not define"),
+                    suggestion(name, &known),
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(state.material.iter().map(|&material| context.materials.index(&names[usize::from(material)])).collect())
 }

@@ -374,8 +374,13 @@ pub struct Output {
     /// Time on the clock between checkpoints, s.
     #[schemars(extend("x-unit" = "s"))]
     pub checkpoint_interval_secs: Positive,
-    /// What is written of each particle, besides its id, position and radius.
-    pub fields: Vec<Field>,
+    /// Whether frames show contacts, as lines between centres with their forces.
+    pub contacts: bool,
+    /// Precision of the numbers in frames: "single", or "double".
+    pub precision: Precision,
+    /// How hard frames are compressed, from 0 (not at all) to 9.
+    #[schemars(range(max = 9))]
+    pub compression: u32,
     /// Whether dissipated energy is accounted for.
     pub ledger: bool,
 }
@@ -388,28 +393,23 @@ impl Default for Output {
             history_interval: None,
             checkpoint_interval: None,
             checkpoint_interval_secs: positive(300.0),
-            fields: vec![Field::Velocity, Field::AngularVelocity, Field::Force, Field::Material],
+            contacts: false,
+            precision: Precision::default(),
+            compression: 4,
             ledger: true,
         }
     }
 }
 
-/// A quantity of each particle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Field {
-    /// m/s.
-    Velocity,
-    /// rad/s.
-    AngularVelocity,
-    /// N.
-    Force,
-    /// N m.
-    Moment,
-    /// Index of the material.
-    Material,
-    /// kg.
-    Mass,
+/// Precision of the numbers in frames. Checkpoints are always exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// 32 bits: what pictures need.
+    #[default]
+    Single,
+    /// 64 bits.
+    Double,
 }
 
 /// The JSON schema of case files, for editors.

@@ -281,7 +281,8 @@ pub struct Csv {
 pub struct Run {
     /// The run's directory, relative to the case.
     pub directory: String,
-    /// Names for the materials of that run, in its order; needed if the group has no `material`.
+    /// Names for the materials of that run, in the order of its indices. If left out, and the group has no `material`
+    /// either, materials keep the names that they have in that run's case.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
 }
