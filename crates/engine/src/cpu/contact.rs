@@ -438,16 +438,8 @@ impl<R: Eight> Eights<R> {
         radii: [R; 2],
         active: u8,
     ) {
-        let sphere = |index: &[u32; WIDTH], radius: R| {
-            let [x, y, z, mass] = R::load(scene.motion, index);
-            let mut angular_velocity = Vec3::zero();
-            if V::MOMENTS {
-                let [x, y, z, _] = R::load(scene.spin, index);
-                angular_velocity = vec3(x, y, z);
-            }
-            Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
-        };
-        let (a, b) = (sphere(&group.i, radii[0]), sphere(&group.j, radii[1]));
+        let a = load_spheres::<V, R>(scene, &group.i, radii[0]);
+        let b = load_spheres::<V, R>(scene, &group.j, radii[1]);
         let encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
         let displacement =
             if V::FRICTION == Friction::Off { Vec3::zero() } else { R::load_triples(rows.displacement, &group.slot) };
@@ -456,43 +448,42 @@ impl<R: Eight> Eights<R> {
             None => gather_interactions(scene, &group.i, &group.j),
         };
         let response = respond(self.law, &encounter, displacement, &interaction, self.step);
-        self.keep::<V>(scene, rows, group, &response, radii.map(|radius| lever_arm(radius, touch.overlap)), active);
+        let arms = [lever_arm(radii[0], touch.overlap), lever_arm(radii[1], touch.overlap)];
+        keep_eight::<V, R>(scene, rows, group, &response, arms, active);
     }
+}
 
-    /// Keeps what the contacts do.
-    #[inline(always)]
-    fn keep<V: Variant>(
-        &self,
-        scene: &Scene<'_>,
-        rows: &mut Rows<'_>,
-        group: &Group,
-        response: &Response<R>,
-        arms: [R; 2],
-        active: u8,
-    ) {
-        let zero = R::lit(0.0);
-        let quads = |v: Vec3<R>| R::quads([v.x, v.y, v.z, zero]);
-        let force = quads(response.force);
-        let displacement = quads(response.displacement);
-        let moments = [quads(response.moment_per_arm * arms[0]), quads(response.moment_per_arm * arms[1])];
-        for l in 0..WIDTH {
-            if active >> l & 1 == 0 {
-                continue;
-            }
-            let pair = group.slot[l] as usize;
-            rows.keep::<V>(group.i[l] as usize, pair, force[l], [moments[0][l], moments[1][l]]);
-            if V::FRICTION != Friction::Off {
-                rows.displacement[pair].copy_from_slice(&displacement[l][..3]);
-            }
+/// Keeps what the contacts do.
+#[inline(always)]
+fn keep_eight<V: Variant, R: Eight>(
+    scene: &Scene<'_>,
+    rows: &mut Rows<'_>,
+    group: &Group,
+    response: &Response<R>,
+    arms: [R; 2],
+    active: u8,
+) {
+    let zero = R::lit(0.0);
+    let force = quads(response.force);
+    let displacement = quads(response.displacement);
+    let moments = [quads(response.moment_per_arm * arms[0]), quads(response.moment_per_arm * arms[1])];
+    for l in 0..WIDTH {
+        if active >> l & 1 == 0 {
+            continue;
         }
-        if V::LEDGER {
-            let losses = &response.losses;
-            let losses = R::quads([losses.friction, losses.damping, losses.stiffening, zero]);
-            for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
-                let [friction, damping, stiffening, _] = losses[l];
-                let losses = Losses { friction, damping, stiffening };
-                rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, &losses);
-            }
+        let pair = group.slot[l] as usize;
+        rows.keep::<V>(group.i[l] as usize, pair, force[l], [moments[0][l], moments[1][l]]);
+        if V::FRICTION != Friction::Off {
+            rows.displacement[pair].copy_from_slice(&displacement[l][..3]);
+        }
+    }
+    if V::LEDGER {
+        let losses = &response.losses;
+        let losses = R::quads([losses.friction, losses.damping, losses.stiffening, zero]);
+        for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+            let [friction, damping, stiffening, _] = losses[l];
+            let losses = Losses { friction, damping, stiffening };
+            rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, &losses);
         }
     }
 }
@@ -504,6 +495,27 @@ fn lanes_period<R: Eight>(scene: &Scene<'_>) -> Option<Period<R>> {
         length: vec3(R::lit(p.length.x), R::lit(p.length.y), R::lit(p.length.z)),
         half: vec3(R::lit(p.half.x), R::lit(p.half.y), R::lit(p.half.z)),
     })
+}
+
+// Loads and stores are functions that are always inlined, not closures: a closure that stays a function is compiled
+// without the instruction set of its caller, and every instruction in it becomes a call.
+
+/// Eight spheres without their positions.
+#[inline(always)]
+fn load_spheres<V: Variant, R: Eight>(scene: &Scene<'_>, index: &[u32; WIDTH], radius: R) -> Sphere<R> {
+    let [x, y, z, mass] = R::load(scene.motion, index);
+    let mut angular_velocity = Vec3::zero();
+    if V::MOMENTS {
+        let [x, y, z, _] = R::load(scene.spin, index);
+        angular_velocity = vec3(x, y, z);
+    }
+    Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
+}
+
+/// Eight vectors, a zero behind each.
+#[inline(always)]
+fn quads<R: Eight>(v: Vec3<R>) -> [[f64; 4]; WIDTH] {
+    R::quads([v.x, v.y, v.z, R::lit(0.0)])
 }
 
 #[inline(always)]

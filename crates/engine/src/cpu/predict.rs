@@ -61,7 +61,7 @@ impl Cpu {
                             verlet_particle(&mut place[i], &mut motion[i], &force[i], constraint, dt);
                         }
                         Integrator::Gear => {
-                            gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt)
+                            gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt);
                         }
                     }
                     if moments && integrator == Integrator::VelocityVerlet {
