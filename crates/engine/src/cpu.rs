@@ -1,7 +1,26 @@
-//! The CPU back end.
+//! The CPU back end: the stages of a step, one file each.
+//!
+//! Particles stand in the order of a space-filling curve and are renumbered now and then; a particle's persistent
+//! `rank` (its place in the order of ids) decides every order that could change a bit.
 
-use crate::step::Backend;
+mod bodies;
+mod boundary;
+mod contact;
+mod correct;
+mod gather;
+mod grid;
+mod neighbours;
+mod predict;
+mod search;
+mod snapshot;
+mod wide;
+
+use crate::step::{Backend, step};
 use crate::{Fault, Plan, State};
+use bodies::Bodies;
+use neighbours::Neighbours;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Arc;
 
 /// How the CPU works. None of these changes a bit of the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +40,7 @@ pub struct Options {
 pub enum List {
     /// Once, by the particle of the lower id; the other particle gathers it.
     Half,
-    /// By both particles: more work, no gathering. The plain reference.
+    /// By both particles: more work, nothing to gather. The plain reference.
     Full,
 }
 
@@ -31,39 +50,113 @@ impl Default for Options {
     }
 }
 
+/// Particles per task of a parallel loop. Results do not depend on it.
+const CHUNK: usize = 512;
+
+/// A run on the CPU.
 pub(crate) struct Cpu {
-    state: State,
+    plan: Plan,
+    options: Options,
+    pool: Arc<ThreadPool>,
+    step: u64,
+    initial_energy: f64,
+    /// Persistent ids by rank, `(N)`.
+    ids: Vec<u32>,
+    bodies: Bodies,
+    neighbours: Neighbours,
+    wall_position: Vec<[f64; 3]>,
+    /// Whether something moved too far for the present list.
+    search_due: bool,
+    searches: u64,
+    /// The longest way of a particle or wall in one step, m.
+    step_way: f64,
+    /// $\Delta t$ as forces see it: 0 while a fresh state is prepared.
+    history_step: f64,
 }
 
 impl Cpu {
-    pub(crate) fn new(state: State, _plan: &Plan, _options: &Options) -> Result<Self, Fault> {
-        Ok(Cpu { state })
+    pub(crate) fn new(state: State, plan: &Plan, options: &Options) -> Result<Self, Fault> {
+        let threads = options.threads.unwrap_or(0);
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|_| Fault::Inconsistent { what: "the operating system refuses to start the threads asked for" })?;
+        let mut cpu = Cpu {
+            plan: plan.clone(),
+            options: *options,
+            pool: Arc::new(pool),
+            step: state.step,
+            initial_energy: state.initial_energy,
+            ids: Vec::new(),
+            bodies: Bodies::default(),
+            neighbours: Neighbours::default(),
+            wall_position: Vec::new(),
+            search_due: true,
+            searches: 0,
+            step_way: 0.0,
+            history_step: plan.dt,
+        };
+        cpu.take_up(state)?;
+        Ok(cpu)
+    }
+    /// Time of the step that is being computed, s.
+    fn time(&self) -> f64 {
+        self.plan.time(self.step)
     }
 }
 
 impl Backend for Cpu {
+    fn advance(&mut self, steps: u64) -> Result<(), Fault> {
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| (0..steps).try_for_each(|_| step(self)))
+    }
     fn predict(&mut self) -> Result<(), Fault> {
-        Ok(())
+        self.step += 1;
+        self.predict_all()
     }
     fn search(&mut self) -> Result<(), Fault> {
-        Ok(())
+        if self.search_due || self.plan.search.every_step { self.list_anew() } else { Ok(()) }
     }
     fn contact(&mut self) -> Result<(), Fault> {
-        Ok(())
+        self.contact_all()
     }
-    fn gather(&mut self) {}
-    fn boundary(&mut self) {}
-    fn correct(&mut self) {}
+    fn gather(&mut self) {
+        self.gather_all();
+    }
+    fn boundary(&mut self) {
+        self.boundary_all();
+    }
+    fn correct(&mut self) {
+        self.correct_all();
+    }
     fn prepare(&mut self) -> Result<(), Fault> {
-        Ok(())
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| {
+            let kept = (
+                self.neighbours.displacement.clone(),
+                self.neighbours.wall_displacements(),
+                self.bodies.accounts.clone(),
+            );
+            self.history_step = 0.0;
+            self.contact_all()?;
+            self.gather_all();
+            self.boundary_all();
+            self.history_step = self.plan.dt;
+            let (displacement, wall_displacement, accounts) = kept;
+            self.neighbours.displacement = displacement;
+            self.neighbours.restore_wall_displacements(&wall_displacement);
+            self.bodies.accounts = accounts;
+            self.bodies.start_derivatives(self.plan.dt);
+            Ok(())
+        })
     }
     fn snapshot(&self) -> State {
-        self.state.clone()
+        self.pool.install(|| self.state())
     }
     fn bytes(&self) -> usize {
-        0
+        self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])
     }
     fn searches(&self) -> u64 {
-        0
+        self.searches
     }
 }

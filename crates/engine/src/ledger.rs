@@ -1,6 +1,6 @@
 //! Where the energy is, where it went, and whether the sum closes.
 
-use crate::{Plan, State, energy_accounts};
+use crate::{Plan, State};
 use rayon::prelude::*;
 use tdem_physics::contact::{Encounter, Sphere, Touch, respond, stored_energy, touch_spheres, touch_wall};
 use tdem_physics::motion::sphere_inertia;
@@ -181,6 +181,10 @@ impl Pairs<'_> {
     fn of_particles(&self, contact: usize) -> [f64; 3] {
         let (first, second) = self.indices(contact);
         let touch = self.touch(first, second);
+        if touch.overlap <= 0.0 {
+            // Gear's corrector moves particles after forces were computed, and may part them.
+            return [0.0; 3];
+        }
         let (a, b) = (self.sphere(first), self.sphere(second));
         let encounter = Encounter::of_spheres(&a, &b, &touch, self.plan.law.moments);
         let interaction = self.plan.interaction(self.state.material[first], self.state.material[second]);
@@ -198,6 +202,9 @@ impl Pairs<'_> {
         let normal: Vec3<f64> = wall.normal.into();
         let point = self.state.wall_position[contact.wall as usize].into();
         let touch = touch_wall(sphere.position, sphere.radius, point, normal);
+        if touch.overlap <= 0.0 {
+            return [0.0; 6];
+        }
         let encounter = Encounter::with_wall(&sphere, &touch, normal, wall.velocity.into(), self.plan.law.moments);
         let interaction = self.plan.interaction(self.state.material[index], wall.material);
         let displacement = contact.displacement.into();

@@ -4,6 +4,8 @@ use crate::{Fault, State};
 
 /// The stages of a step, as a back end offers them. Stage names are file names: `cpu/predict.rs` and so on.
 pub(crate) trait Backend: Send {
+    /// Advances a number of steps.
+    fn advance(&mut self, steps: u64) -> Result<(), Fault>;
     /// Moves particles and walls to the end of the step, under the forces of its beginning.
     fn predict(&mut self) -> Result<(), Fault>;
     /// Lists neighbours anew if something moved too far since the last time, and carries histories over.

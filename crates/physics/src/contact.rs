@@ -191,3 +191,18 @@ pub fn stored_energy<R: Real>(
     let tangential = R::lit(0.5) * (interaction.tangential_stiffness * contact_radius) * displacement.dot(displacement);
     (normal, tangential)
 }
+
+/// Energy that a tangential spring still held when its contact opened during the step, J:
+/// $\tfrac12k_t\delta^2$ at the overlap of the last step.
+#[inline(always)]
+pub fn released_energy<R: Real>(
+    encounter: &Encounter<R>,
+    displacement: Vec3<R>,
+    interaction: &Interaction<R>,
+    step: R,
+) -> R {
+    let normal_speed = encounter.relative_velocity.dot(encounter.normal);
+    let earlier_overlap = (encounter.overlap + normal_speed * step).max(R::lit(0.0));
+    let stiffness = interaction.tangential_stiffness * (encounter.radius_eff * earlier_overlap).sqrt();
+    R::lit(0.5) * stiffness * displacement.dot(displacement)
+}

@@ -45,7 +45,7 @@ impl<R: Real> Vec3<R> {
     /// Applies a function to each component.
     #[inline(always)]
     #[must_use]
-    pub fn map(self, mut function: impl FnMut(R) -> R) -> Self {
+    pub fn map<S>(self, mut function: impl FnMut(R) -> S) -> Vec3<S> {
         vec3(function(self.x), function(self.y), function(self.z))
     }
     /// `if_true` where `mask` holds, else `if_false`.

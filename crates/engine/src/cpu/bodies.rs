@@ -1,0 +1,158 @@
+//! The particles in working order.
+
+use crate::{Integrator, Plan, State};
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+use tdem_physics::contact::Sphere;
+use tdem_physics::motion::gear::{Derivatives, Trajectory};
+use tdem_physics::{Vec3, vec3};
+
+/// Four numbers that are used together and loaded at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub(crate) struct Quad(pub(crate) [f64; 4]);
+
+impl Quad {
+    pub(crate) fn new(vector: [f64; 3], scalar: f64) -> Self {
+        Quad([vector[0], vector[1], vector[2], scalar])
+    }
+    /// The first three.
+    #[inline(always)]
+    pub(crate) fn vector(&self) -> Vec3<f64> {
+        vec3(self.0[0], self.0[1], self.0[2])
+    }
+    #[inline(always)]
+    pub(crate) fn set_vector(&mut self, vector: Vec3<f64>) {
+        [self.0[0], self.0[1], self.0[2]] = vector.into();
+    }
+    /// The last one.
+    #[inline(always)]
+    pub(crate) fn scalar(&self) -> f64 {
+        self.0[3]
+    }
+}
+
+/// The particles in working order, `N` of each; optional fields are empty where the plan does not need them.
+#[derive(Default)]
+pub(crate) struct Bodies {
+    /// Place in the order of persistent ids.
+    pub(crate) rank: Vec<u32>,
+    /// Position and radius, m.
+    pub(crate) place: Vec<Quad>,
+    /// Velocity, m/s, and mass, kg.
+    pub(crate) motion: Vec<Quad>,
+    /// Angular velocity, rad/s; the fourth number is not used.
+    pub(crate) spin: Vec<Quad>,
+    /// N.
+    pub(crate) force: Vec<[f64; 3]>,
+    /// N m; optional.
+    pub(crate) moment: Vec<[f64; 3]>,
+    pub(crate) material: Vec<u16>,
+    pub(crate) constraint: Vec<u16>,
+    /// Optional.
+    pub(crate) image: Vec<[i32; 3]>,
+    /// Optional.
+    pub(crate) derivatives: Vec<[[f64; 3]; 4]>,
+    /// Optional.
+    pub(crate) accounts: Vec<[f64; 4]>,
+}
+
+impl Bodies {
+    /// Particles in the order of ids.
+    pub(crate) fn from_state(state: &State, plan: &Plan) -> Self {
+        let n = state.len();
+        let (gear, periodic) = (plan.integrator == Integrator::Gear, plan.domain.period().any());
+        let quads = |vectors: &[[f64; 3]], scalars: &[f64]| -> Vec<Quad> {
+            vectors.iter().zip(scalars).map(|(&v, &s)| Quad::new(v, s)).collect()
+        };
+        Bodies {
+            rank: (0..n as u32).collect(),
+            place: quads(&state.position, &state.radius),
+            motion: quads(&state.velocity, &state.mass),
+            spin: state.angular_velocity.iter().map(|&v| Quad::new(v, 0.0)).collect(),
+            force: state.force.clone(),
+            moment: if plan.law.moments { state.moment.clone() } else { Vec::new() },
+            material: state.material.clone(),
+            constraint: state.constraint.clone(),
+            image: if periodic { state.image.clone() } else { Vec::new() },
+            derivatives: match (gear, state.derivatives.is_empty()) {
+                (false, _) => Vec::new(),
+                (true, true) => vec![[[0.0; 3]; 4]; n],
+                (true, false) => state.derivatives.clone(),
+            },
+            accounts: match (plan.ledger, state.accounts.is_empty()) {
+                (false, _) => Vec::new(),
+                (true, true) => vec![[0.0; 4]; n],
+                (true, false) => state.accounts.clone(),
+            },
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.rank.len()
+    }
+
+    /// Puts the particles in another order: the new particle `k` is the old `order[k]`.
+    pub(crate) fn reorder(&mut self, order: &[u32]) {
+        fn take<T: Copy + Send + Sync>(field: &mut Vec<T>, order: &[u32]) {
+            if !field.is_empty() {
+                *field = order.par_iter().map(|&from| field[from as usize]).collect();
+            }
+        }
+        take(&mut self.rank, order);
+        take(&mut self.place, order);
+        take(&mut self.motion, order);
+        take(&mut self.spin, order);
+        take(&mut self.force, order);
+        take(&mut self.moment, order);
+        take(&mut self.material, order);
+        take(&mut self.constraint, order);
+        take(&mut self.image, order);
+        take(&mut self.derivatives, order);
+        take(&mut self.accounts, order);
+    }
+
+    /// Gear's second derivative from the forces of a fresh state; the higher ones stay 0.
+    pub(crate) fn start_derivatives(&mut self, dt: f64) {
+        let half_square = 0.5 * dt * dt;
+        for (i, derivatives) in self.derivatives.iter_mut().enumerate() {
+            let force: Vec3<f64> = self.force[i].into();
+            derivatives[0] = (force * (half_square / self.motion[i].scalar())).into();
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        fn size<T>(field: &[T]) -> usize {
+            std::mem::size_of_val(field)
+        }
+        size(&self.rank)
+            + size(&self.place)
+            + size(&self.motion)
+            + size(&self.spin)
+            + size(&self.force)
+            + size(&self.moment)
+            + size(&self.material)
+            + size(&self.constraint)
+            + size(&self.image)
+            + size(&self.derivatives)
+            + size(&self.accounts)
+    }
+}
+
+#[inline(always)]
+pub(crate) fn sphere(place: &Quad, motion: &Quad, spin: &Quad) -> Sphere<f64> {
+    Sphere {
+        position: place.vector(),
+        radius: place.scalar(),
+        velocity: motion.vector(),
+        mass: motion.scalar(),
+        angular_velocity: spin.vector(),
+    }
+}
+
+/// A particle as Gear's method sees it.
+#[inline(always)]
+pub(crate) fn trajectory(place: &Quad, motion: &Quad, derivatives: &[[f64; 3]; 4]) -> Trajectory<f64> {
+    let derivatives: Derivatives<f64> = derivatives.map(Vec3::from);
+    Trajectory { position: place.vector(), velocity: motion.vector(), derivatives }
+}

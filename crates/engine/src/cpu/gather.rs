@@ -1,0 +1,130 @@
+//! Stage `gather`: sums pairs in the order of ids, then walls, per particle.
+
+use super::bodies::{Bodies, sphere};
+use super::neighbours::{Neighbours, WallSlot};
+use super::search::split;
+use super::{CHUNK, Cpu};
+use crate::Plan;
+use crate::energy_accounts::{DAMPING, EXTERNAL, FRICTION, STIFFENING};
+use rayon::prelude::*;
+use tdem_physics::contact::encounter::lever_arm;
+use tdem_physics::contact::{Encounter, released_energy, respond, touch_wall};
+use tdem_physics::{Vec3, vec3};
+
+impl Cpu {
+    /// Forces and moments of all particles.
+    pub(super) fn gather_all(&mut self) {
+        let n = self.bodies.len();
+        let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
+        let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
+        let list = &self.neighbours;
+        let Bodies { place, motion, spin, material, force, moment, accounts, .. } = &mut self.bodies;
+        let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
+        let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
+        let mut slots = split(&mut wall_slots, &wall_bounds);
+        let mut moments = split(moment, &particles);
+        let mut accounts = split(accounts, &particles);
+        let tasks: Vec<_> = split(force, &particles)
+            .map(|force| {
+                let slots = slots.next().unwrap_or_default();
+                (force, moments.next().unwrap_or_default(), accounts.next().unwrap_or_default(), slots)
+            })
+            .collect();
+        tasks.into_par_iter().enumerate().for_each(|(chunk, (force, moment, accounts, slots))| {
+            let mut slots = slots.iter_mut().peekable();
+            for k in 0..force.len() {
+                let i = chunk * CHUNK + k;
+                let mut sum = of_pairs(list, i, place[i].scalar());
+                while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
+                    let sphere = sphere(&place[i], &motion[i], &spin[i]);
+                    walls.add(&sphere, material[i], slot, accounts.get_mut(k), &mut sum);
+                }
+                force[k] = sum.force.into();
+                if let Some(moment) = moment.get_mut(k) {
+                    *moment = sum.moment.into();
+                }
+            }
+        });
+        self.neighbours.wall_slots = wall_slots;
+    }
+}
+
+/// Force and moment on a particle so far.
+struct Sum {
+    force: Vec3<f64>,
+    moment: Vec3<f64>,
+}
+
+/// Pairs with lower ranks, which keep them, then with higher ones.
+#[inline(always)]
+fn of_pairs(list: &Neighbours, i: usize, radius: f64) -> Sum {
+    let mut sum = Sum { force: Vec3::zero(), moment: Vec3::zero() };
+    let turns = !list.turn.is_empty();
+    let mut add = |pair: usize, sign: f64| {
+        if list.touching[pair] {
+            let [x, y, z] = list.pull[pair];
+            sum.force = sum.force + vec3(x, y, z) * sign;
+            if turns {
+                let [x, y, z, overlap] = list.turn[pair];
+                sum.moment = sum.moment + vec3(x, y, z) * lever_arm(radius, overlap);
+            }
+        }
+    };
+    for &pair in list.incoming(i) {
+        add(pair as usize, -1.0);
+    }
+    for pair in list.row(i) {
+        add(pair, 1.0);
+    }
+    sum
+}
+
+/// What contacts with walls need.
+struct Walls<'a> {
+    plan: &'a Plan,
+    position: &'a [[f64; 3]],
+    step: f64,
+}
+
+impl Walls<'_> {
+    /// Adds the contact of a particle with a wall, if they touch.
+    fn add(
+        &self,
+        sphere: &tdem_physics::contact::Sphere<f64>,
+        material: u16,
+        slot: &mut WallSlot,
+        account: Option<&mut [f64; 4]>,
+        sum: &mut Sum,
+    ) {
+        let wall = &self.plan.walls[slot.wall as usize];
+        let (law, step) = (self.plan.law, self.step);
+        let (normal, velocity): (Vec3<f64>, Vec3<f64>) = (wall.normal.into(), wall.velocity.into());
+        let interaction = self.plan.interaction(material, wall.material);
+        let point = self.position[slot.wall as usize].into();
+        let touch = touch_wall(sphere.position, sphere.radius, point, normal);
+        let encounter = Encounter::with_wall(sphere, &touch, normal, velocity, law.moments);
+        if touch.overlap <= 0.0 {
+            if slot.touching {
+                if let Some(account) = account {
+                    account[STIFFENING] -= released_energy(&encounter, slot.displacement.into(), interaction, step);
+                }
+                slot.displacement = [0.0; 3];
+                slot.touching = false;
+            }
+            return;
+        }
+        let response = respond(law, &encounter, slot.displacement.into(), interaction, step);
+        slot.touching = true;
+        slot.displacement = response.displacement.into();
+        sum.force = sum.force + response.force;
+        if law.moments {
+            sum.moment = sum.moment + response.moment_per_arm * lever_arm(sphere.radius, touch.overlap);
+        }
+        if let Some(account) = account {
+            account[FRICTION] += response.losses.friction;
+            account[DAMPING] += response.losses.damping;
+            account[STIFFENING] += response.losses.stiffening;
+            account[EXTERNAL] += response.force.dot(velocity) * step;
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Who may touch whom until the next search, and what pairs remember.
+
+use super::CHUNK;
+
+/// The neighbour list. `P` is the number of listed pairs, `N` of particles, in working order.
+///
+/// The pairs of a particle stand in its row, in the order of the other's rank. In a half list a pair stands in the row
+/// of the lower rank only, and the other particle finds it through `incoming`.
+#[derive(Default)]
+pub(crate) struct Neighbours {
+    /// Where each row starts, `(N + 1)`.
+    pub(crate) start: Vec<u32>,
+    /// The other particle, `(P)`.
+    pub(crate) other: Vec<u32>,
+    /// Whether the pair touched when it was last looked at, `(P)`.
+    pub(crate) touching: Vec<bool>,
+    /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
+    pub(crate) displacement: Vec<[f64; 3]>,
+    /// Force on the row's particle, N, `(P)`; valid where touching.
+    pub(crate) pull: Vec<[f64; 3]>,
+    /// Moment per lever arm, N, and overlap, m, `(P)`; valid where touching, empty without moments.
+    pub(crate) turn: Vec<[f64; 4]>,
+    /// Where the incoming pairs of each particle start, `(N + 1)`.
+    pub(crate) incoming_start: Vec<u32>,
+    /// Pairs in the rows of lower ranks, in the order of those ranks; empty in a full list.
+    pub(crate) incoming: Vec<u32>,
+    /// Positions when the list was made, m, `(N)`.
+    pub(crate) reference: Vec<[f64; 3]>,
+    /// Particles that may touch walls, ascending by (particle, wall).
+    pub(crate) wall_slots: Vec<WallSlot>,
+    /// Where the wall slots of each chunk of particles start.
+    pub(crate) wall_start: Vec<u32>,
+    /// Walls when the list was made, m.
+    pub(crate) wall_reference: Vec<[f64; 3]>,
+}
+
+/// A particle that may touch a wall.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallSlot {
+    pub(crate) particle: u32,
+    pub(crate) wall: u32,
+    pub(crate) touching: bool,
+    pub(crate) displacement: [f64; 3],
+}
+
+/// What touching pairs remember, in the order of ranks: the form that survives a new order of the particles.
+#[derive(Default)]
+pub(crate) struct Histories {
+    /// Where the pairs of each lower rank start, `(N + 1)`.
+    pub(crate) start: Vec<u32>,
+    /// The higher rank.
+    pub(crate) second: Vec<u32>,
+    /// m.
+    pub(crate) displacement: Vec<[f64; 3]>,
+    /// Particle (rank), wall and displacement, ascending.
+    pub(crate) walls: Vec<(u32, u32, [f64; 3])>,
+}
+
+impl Histories {
+    /// The displacement of a pair that touched, as the first sees it.
+    pub(crate) fn of(&self, first: u32, second: u32) -> Option<[f64; 3]> {
+        let (low, high) = (first.min(second), first.max(second));
+        let row = self.start[low as usize] as usize..self.start[low as usize + 1] as usize;
+        let found = self.second[row.clone()].iter().position(|&s| s == high)?;
+        let displacement = self.displacement[row.start + found];
+        Some(if first == low { displacement } else { displacement.map(|c| -c) })
+    }
+    /// The displacement of a particle that touched a wall.
+    pub(crate) fn of_wall(&self, rank: u32, wall: u32) -> Option<[f64; 3]> {
+        let found = self.walls.binary_search_by_key(&(rank, wall), |&(rank, wall, _)| (rank, wall)).ok()?;
+        Some(self.walls[found].2)
+    }
+}
+
+impl Neighbours {
+    /// The row of a particle.
+    #[inline(always)]
+    pub(crate) fn row(&self, particle: usize) -> std::ops::Range<usize> {
+        self.start[particle] as usize..self.start[particle + 1] as usize
+    }
+    /// Pairs that others keep for a particle.
+    #[inline(always)]
+    pub(crate) fn incoming(&self, particle: usize) -> &[u32] {
+        if self.incoming.is_empty() {
+            return &[];
+        }
+        &self.incoming[self.incoming_start[particle] as usize..self.incoming_start[particle + 1] as usize]
+    }
+    /// Touching pairs, seen from their lower rank: ranks and displacement, ascending.
+    pub(crate) fn histories(&self, rank: &[u32]) -> Histories {
+        let n = rank.len();
+        let mut start = vec![0_u32; n + 1];
+        let mine = |i: usize, pair: usize| self.touching[pair] && rank[i] < rank[self.other[pair] as usize];
+        for i in 0..n {
+            start[rank[i] as usize + 1] = self.row(i).filter(|&pair| mine(i, pair)).count() as u32;
+        }
+        for r in 0..n {
+            start[r + 1] += start[r];
+        }
+        let touching = start[n] as usize;
+        let (mut second, mut displacement) = (vec![0; touching], vec![[0.0; 3]; touching]);
+        for i in 0..n {
+            let first = start[rank[i] as usize] as usize;
+            for (place, pair) in (first..).zip(self.row(i).filter(|&pair| mine(i, pair))) {
+                second[place] = rank[self.other[pair] as usize];
+                displacement[place] = self.displacement.get(pair).copied().unwrap_or_default();
+            }
+        }
+        let mut walls: Vec<_> = self
+            .wall_slots
+            .iter()
+            .filter(|slot| slot.touching)
+            .map(|slot| (rank[slot.particle as usize], slot.wall, slot.displacement))
+            .collect();
+        walls.sort_unstable_by_key(|&(rank, wall, _)| (rank, wall));
+        Histories { start, second, displacement, walls }
+    }
+
+    /// How far a wall has moved since the list was made, the farthest, m.
+    pub(crate) fn wall_way(&self, position: &[[f64; 3]]) -> f64 {
+        position.iter().zip(&self.wall_reference).fold(0.0, |largest: f64, (now, then)| {
+            let way: [f64; 3] = std::array::from_fn(|k| now[k] - then[k]);
+            largest.max((way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt())
+        })
+    }
+    pub(crate) fn wall_displacements(&self) -> Vec<[f64; 3]> {
+        self.wall_slots.iter().map(|slot| slot.displacement).collect()
+    }
+    pub(crate) fn restore_wall_displacements(&mut self, displacements: &[[f64; 3]]) {
+        for (slot, &displacement) in self.wall_slots.iter_mut().zip(displacements) {
+            slot.displacement = displacement;
+        }
+    }
+    /// Notes where the wall slots of each chunk of particles start.
+    pub(crate) fn index_walls(&mut self, particles: usize) {
+        let chunks = particles.div_ceil(CHUNK);
+        self.wall_start = (0..=chunks)
+            .map(|chunk| self.wall_slots.partition_point(|slot| (slot.particle as usize) < chunk * CHUNK) as u32)
+            .collect();
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        fn size<T>(field: &[T]) -> usize {
+            std::mem::size_of_val(field)
+        }
+        size(&self.start)
+            + size(&self.other)
+            + size(&self.touching)
+            + size(&self.displacement)
+            + size(&self.pull)
+            + size(&self.turn)
+            + size(&self.incoming_start)
+            + size(&self.incoming)
+            + size(&self.reference)
+            + size(&self.wall_slots)
+            + size(&self.wall_start)
+    }
+}

@@ -1,0 +1,194 @@
+//! Stage `predict`: particles and walls move to the end of the step.
+
+use super::bodies::{Quad, trajectory};
+use super::{CHUNK, Cpu};
+use crate::{Constraint, Domain, Fault, Integrator};
+use rayon::prelude::*;
+use tdem_physics::motion::{gear, sphere_inertia, verlet};
+use tdem_physics::{Vec3, contact::Period};
+
+/// What a chunk of particles reports: the largest squared ways since the last search and in this step, and the lowest
+/// rank astray.
+#[derive(Clone, Copy)]
+struct Report {
+    way_squared: f64,
+    step_squared: f64,
+    astray: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Report {
+    const START: Report = Report { way_squared: 0.0, step_squared: 0.0, astray: NONE };
+    fn merge(self, other: Report) -> Report {
+        Report {
+            way_squared: self.way_squared.max(other.way_squared),
+            step_squared: self.step_squared.max(other.step_squared),
+            astray: self.astray.min(other.astray),
+        }
+    }
+}
+
+impl Cpu {
+    /// Predicts all particles, moves the walls, and notes whether the neighbour list still holds.
+    pub(super) fn predict_all(&mut self) -> Result<(), Fault> {
+        let dt = self.plan.dt;
+        self.move_walls();
+        let (domain, period) = (self.plan.domain, self.plan.domain.period());
+        let wraps = period.any();
+        let (constraints, integrator, moments) = (&self.plan.constraints, self.plan.integrator, self.plan.law.moments);
+        let bodies = &mut self.bodies;
+        let report = (
+            bodies.place.par_chunks_mut(CHUNK),
+            bodies.motion.par_chunks_mut(CHUNK),
+            bodies.spin.par_chunks_mut(CHUNK),
+            bodies.force.par_chunks(CHUNK),
+            bodies.constraint.par_chunks(CHUNK),
+            bodies.rank.par_chunks(CHUNK),
+            self.neighbours.reference.par_chunks(CHUNK),
+            optional(&mut bodies.derivatives),
+            optional(&mut bodies.image),
+            optional(&mut bodies.moment),
+        )
+            .into_par_iter()
+            .map(|(place, motion, spin, force, constraint, rank, reference, derivatives, image, moment)| {
+                let mut report = Report::START;
+                for i in 0..place.len() {
+                    let constraint = &constraints[usize::from(constraint[i])];
+                    let before = place[i].vector();
+                    match integrator {
+                        Integrator::VelocityVerlet => {
+                            verlet_particle(&mut place[i], &mut motion[i], force[i], constraint, dt);
+                        }
+                        Integrator::Gear => {
+                            gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt)
+                        }
+                    }
+                    if moments && integrator == Integrator::VelocityVerlet {
+                        let inertia = sphere_inertia(motion[i].scalar(), place[i].scalar());
+                        let kicked = verlet::kick(spin[i].vector(), moment[i].into(), inertia, 0.5 * dt);
+                        spin[i].set_vector(prescribe(kicked, &constraint.angular_velocity));
+                    }
+                    let step = place[i].vector() - before;
+                    report.step_squared = report.step_squared.max(step.dot(step));
+                    if wraps {
+                        wrap(&mut place[i], &mut image[i], &domain);
+                    }
+                    if !inside(&place[i], &domain) {
+                        report.astray = report.astray.min(rank[i]);
+                    }
+                    let way = way(&place[i], reference[i], wraps.then_some(&period));
+                    report.way_squared = report.way_squared.max(way);
+                }
+                report
+            })
+            .reduce(|| Report::START, Report::merge);
+        if report.astray != NONE {
+            return Err(self.astray(report.astray));
+        }
+        self.step_way = report.step_squared.sqrt().max(self.wall_step());
+        let half_skin = 0.5 * self.plan.search.skin;
+        self.search_due =
+            report.way_squared > half_skin * half_skin || self.neighbours.wall_way(&self.wall_position) > half_skin;
+        Ok(())
+    }
+
+    fn move_walls(&mut self) {
+        for (position, wall) in self.wall_position.iter_mut().zip(&self.plan.walls) {
+            *position = verlet::drift((*position).into(), wall.velocity.into(), self.plan.dt).into();
+        }
+    }
+
+    /// The way of the fastest wall in one step, m.
+    pub(super) fn wall_step(&self) -> f64 {
+        self.plan.walls.iter().fold(0.0, |largest: f64, wall| {
+            let velocity: Vec3<f64> = wall.velocity.into();
+            largest.max(velocity.dot(velocity).sqrt() * self.plan.dt)
+        })
+    }
+
+    /// The fault of a particle that is nowhere or outside.
+    fn astray(&self, rank: u32) -> Fault {
+        let (step, time, particle) = (self.step, self.time(), self.ids[rank as usize]);
+        let index = self.bodies.rank.iter().position(|&r| r == rank).unwrap_or(0);
+        let [x, y, z, _] = self.bodies.place[index].0;
+        if [x, y, z].iter().all(|c| c.is_finite()) {
+            Fault::Escaped { step, time, particle, position: [x, y, z] }
+        } else {
+            Fault::NotFinite { step, time, particle }
+        }
+    }
+}
+
+/// A field cut into chunks like the others; one empty slice per chunk where the plan does without it.
+pub(super) fn optional<T: Send>(
+    field: &mut [T],
+) -> rayon::iter::Either<impl IndexedParallelIterator<Item = &mut [T]>, impl IndexedParallelIterator<Item = &mut [T]>> {
+    if field.is_empty() {
+        rayon::iter::Either::Left(rayon::iter::repeat_n((), usize::MAX / CHUNK).map(|()| &mut [][..]))
+    } else {
+        rayon::iter::Either::Right(field.par_chunks_mut(CHUNK))
+    }
+}
+
+#[inline(always)]
+fn verlet_particle(place: &mut Quad, motion: &mut Quad, force: [f64; 3], constraint: &Constraint, dt: f64) {
+    let kicked = verlet::kick(motion.vector(), force.into(), motion.scalar(), 0.5 * dt);
+    let velocity = prescribe(kicked, &constraint.velocity);
+    motion.set_vector(velocity);
+    place.set_vector(verlet::drift(place.vector(), velocity, dt));
+}
+
+/// Prescribed components have no higher derivatives, so that the predictor moves them by V dt.
+#[inline(always)]
+fn gear_particle(
+    place: &mut Quad,
+    motion: &mut Quad,
+    derivatives: &mut [[f64; 3]; 4],
+    constraint: &Constraint,
+    dt: f64,
+) {
+    motion.set_vector(prescribe(motion.vector(), &constraint.velocity));
+    let predicted = gear::predict(&trajectory(place, motion, derivatives), dt);
+    place.set_vector(predicted.position);
+    motion.set_vector(prescribe(predicted.velocity, &constraint.velocity));
+    *derivatives = predicted.derivatives.map(Into::into);
+}
+
+/// Puts prescribed components in the place of computed ones.
+#[inline(always)]
+pub(super) fn prescribe(velocity: Vec3<f64>, prescribed: &[Option<f64>; 3]) -> Vec3<f64> {
+    let [x, y, z] = prescribed;
+    Vec3 { x: x.unwrap_or(velocity.x), y: y.unwrap_or(velocity.y), z: z.unwrap_or(velocity.z) }
+}
+
+/// Brings a centre that left through a face that repeats back in through the opposite one.
+#[inline(always)]
+fn wrap(place: &mut Quad, image: &mut [i32; 3], domain: &Domain) {
+    for k in 0..3 {
+        if domain.periodic[k] {
+            let length = domain.max[k] - domain.min[k];
+            if place.0[k] >= domain.max[k] {
+                place.0[k] -= length;
+                image[k] += 1;
+            } else if place.0[k] < domain.min[k] {
+                place.0[k] += length;
+                image[k] -= 1;
+            }
+        }
+    }
+}
+
+/// Whether a centre is in the domain; false also for what is not a number.
+#[inline(always)]
+fn inside(place: &Quad, domain: &Domain) -> bool {
+    (0..3).all(|k| place.0[k] >= domain.min[k] && place.0[k] <= domain.max[k])
+}
+
+/// Squared way from the reference point.
+#[inline(always)]
+fn way(place: &Quad, reference: [f64; 3], period: Option<&Period<f64>>) -> f64 {
+    let way = place.vector() - reference.into();
+    let way = period.map_or(way, |p| p.nearest(way));
+    way.dot(way)
+}

@@ -1,0 +1,118 @@
+//! The contract of bits: one case, one result, however the machine works.
+
+mod common;
+
+use common::{cloud, plan, wall, with_restitution};
+use tdem_engine::cpu::{List, Options};
+use tdem_engine::physics::contact::{Damping, Friction, Law};
+use tdem_engine::{Integrator, Plan, Simulation, State};
+
+const STEPS: u64 = 600;
+
+/// A cloud that collides and falls in a box which repeats in x and has walls below, above and at the sides.
+fn scene(law: Law, integrator: Integrator, radius_ratio: f64) -> (State, Plan) {
+    let (per_side, spacing) = (9, 0.02);
+    let length = per_side as f64 * spacing;
+    let mut plan = plan(law, [0.0, -0.01, -0.01], [length, length + 0.01, length + 0.01], [true, false, false]);
+    plan.integrator = integrator;
+    if law.damping == Damping::Restitution {
+        plan.interactions[0] = with_restitution(0.6, plan.interactions[0]);
+    }
+    plan.gravity = [5.0, 0.0, -300.0];
+    plan.search.skin = 2e-3;
+    let mut state = cloud(per_side, spacing, radius_ratio);
+    plan.walls = vec![
+        wall("floor", [0.0, 0.0, 1.0], [0.0, 0.0, 0.3]),
+        wall("left", [0.0, 1.0, 0.0], [0.0; 3]),
+        wall("right", [0.0, -1.0, 0.0], [0.1, 0.0, 0.0]),
+        wall("lid", [0.0, 0.0, -1.0], [0.0, 0.0, -0.5]),
+    ];
+    state.wall_position = vec![[0.0; 3], [0.0; 3], [0.0, length, 0.0], [0.0, 0.0, length]];
+    (state, plan)
+}
+
+fn run(state: &State, plan: &Plan, options: &Options, steps: u64) -> State {
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).unwrap();
+    simulation.advance(steps).unwrap();
+    assert!(simulation.searches() > 1, "the scene must rebuild its lists, or it shows nothing");
+    simulation.state()
+}
+
+fn laws() -> Vec<Law> {
+    let rescaled = Law { friction: Friction::Rescaled, damping: Damping::Restitution, ..Law::GNTM };
+    vec![Law::GN, Law::GNT, Law::GNTM, rescaled]
+}
+
+#[test]
+fn same_bits_for_threads_lanes_lists_cells_and_skins() {
+    for law in laws() {
+        let (state, plan) = scene(law, Integrator::VelocityVerlet, 3.0);
+        let reference = Options { threads: Some(1), lanes: false, list: List::Full, cell_factor: 1.0 };
+        let expected = run(&state, &plan, &reference, STEPS);
+        let (pairs, walls) = (expected.contacts.len(), expected.wall_contacts.len());
+        assert!(pairs > 100 && walls > 10, "the scene must be busy: {pairs} pairs, {walls} at walls");
+        let variants = [
+            Options { lanes: true, ..reference },
+            Options { list: List::Half, ..reference },
+            Options { lanes: true, list: List::Half, threads: Some(1), cell_factor: 1.0 },
+            Options { lanes: true, list: List::Half, threads: Some(2), cell_factor: 1.7 },
+            Options { lanes: true, list: List::Half, threads: Some(7), cell_factor: 3.0 },
+            Options { lanes: false, list: List::Half, threads: Some(7), cell_factor: 1.0 },
+        ];
+        for options in variants {
+            assert_eq!(run(&state, &plan, &options, STEPS).hash(), expected.hash(), "{law:?} {options:?}");
+        }
+        for (skin, every_step) in [(0.0, true), (5e-4, false), (6e-3, false)] {
+            let mut plan = plan.clone();
+            plan.search.skin = skin;
+            plan.search.every_step = every_step;
+            let found = run(&state, &plan, &Options::default(), STEPS);
+            assert_eq!(found.hash(), expected.hash(), "{law:?} skin {skin}");
+        }
+    }
+}
+
+#[test]
+fn same_bits_when_resumed_at_any_step() {
+    for integrator in [Integrator::VelocityVerlet, Integrator::Gear] {
+        let (state, plan) = scene(Law::GNTM, integrator, 2.0);
+        let expected = run(&state, &plan, &Options::default(), STEPS);
+        for at in [1, 137, 400] {
+            let half_way = run_short(&state, &plan, at);
+            let resumed = run_short(&half_way, &plan, STEPS - at);
+            assert_eq!(resumed.hash(), expected.hash(), "{integrator:?} resumed at {at}");
+            assert_eq!(resumed, expected, "a hash that matches must mean a state that matches");
+        }
+    }
+}
+
+fn run_short(state: &State, plan: &Plan, steps: u64) -> State {
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).unwrap();
+    simulation.advance(steps).unwrap();
+    simulation.state()
+}
+
+#[test]
+fn same_bits_when_particles_are_given_in_another_order() {
+    // Ids decide the order of sums, so the same ids in another place of memory are the same simulation. A state is
+    // kept in the order of ids; the working order is shuffled by the search. Here the space is mirrored instead:
+    // every coordinate changes sign and so must every result.
+    let (state, plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 2.0);
+    let mirror = |v: [f64; 3]| v.map(|c| -c);
+    let mut mirrored = state.clone();
+    for field in [&mut mirrored.position, &mut mirrored.velocity, &mut mirrored.wall_position] {
+        field.iter_mut().for_each(|v| *v = mirror(*v));
+    }
+    let mut other = plan.clone();
+    other.gravity = mirror(plan.gravity);
+    (other.domain.min, other.domain.max) = (mirror(plan.domain.max), mirror(plan.domain.min));
+    for wall in &mut other.walls {
+        (wall.normal, wall.velocity) = (mirror(wall.normal), mirror(wall.velocity));
+    }
+    let straight = run(&state, &plan, &Options::default(), STEPS);
+    let reflected = run(&mirrored, &other, &Options::default(), STEPS);
+    for i in 0..straight.len() {
+        assert_eq!(straight.position[i], mirror(reflected.position[i]), "particle {i}");
+        assert_eq!(straight.angular_velocity[i], reflected.angular_velocity[i], "spin is an axial vector");
+    }
+}
