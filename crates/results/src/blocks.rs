@@ -48,7 +48,7 @@ pub(crate) struct Scene<'a> {
 
 impl Scene<'_> {
     /// All blocks, in the order in which frames list them.
-    pub(crate) fn blocks(&self, contents: &Contents) -> Vec<Block> {
+    pub(crate) fn blocks(&self, contents: Contents) -> Vec<Block> {
         let mut blocks = vec![self.particles(contents.precision), self.walls(contents.precision)];
         if contents.contacts {
             blocks.push(self.contacts(contents.precision));

@@ -88,7 +88,8 @@ pub fn markdown() -> String {
     for place in Place::ALL {
         for entry in place.entries() {
             let Entry { name, unit, description, components, .. } = entry;
-            text += &format!("| {} | `{name}` | {unit} | {components} | {description} |\n", place.name());
+            let line = [place.name(), &format!("`{name}`"), unit, &components.to_string(), description].join(" | ");
+            text.extend(["| ", &line, " |\n"]);
         }
     }
     text

@@ -69,9 +69,9 @@ pub fn info(run: &Path) -> Result<Info, Error> {
         particles: checkpoint::read(&path).map(|state| state.len()),
         path,
     });
-    // Rows end with a line feed, and the first line is the header.
+    // Complete lines end with a line feed, the first is the header.
     let history = fs::read(run.join(HISTORY)).unwrap_or_default();
-    let lines = history.iter().filter(|&&byte| byte == b'\n').count();
+    let lines = history.split(|&byte| byte == b'\n').count() - 1;
     Ok(Info {
         frames: frames.collect(),
         unreadable_frames: stored.unreadable,

@@ -232,7 +232,7 @@ impl RunDirectory {
         let start = if let Origin::Known(start) = &self.start { Some(start) } else { None };
         let scene = Scene { state, plan, start };
         let file = frame_name(self.next_frame);
-        let blocks = scene.blocks(&self.contents);
+        let blocks = scene.blocks(self.contents);
         let time = plan.time(state.step);
         self.frames.push(Frame::write(&self.path, file, state.step, time, &blocks, self.contents.compression)?);
         self.next_frame += 1;

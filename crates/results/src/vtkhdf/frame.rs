@@ -151,7 +151,7 @@ pub(super) fn label(block: &str, field: &str) -> Label {
 fn read(stored: &StoredFile, file: String) -> Result<Frame> {
     let first = |dataset: &str| -> Result<i64> { Ok(stored.integers(dataset)?.first().copied().unwrap_or(0)) };
     let mut blocks = Vec::new();
-    for name in stored.names(&format!("{NOTES}/fixed"))? {
+    for name in stored.names(&format!("{NOTES}/fixed")) {
         let group = format!("VTKHDF/{name}");
         let mut size = BlockSize {
             fixed: first(&format!("{NOTES}/fixed/{name}"))? != 0,
@@ -179,5 +179,5 @@ fn fields(stored: &StoredFile, group: &str) -> Result<Vec<FieldKind>> {
         let (storage, components) = stored.layout(&format!("{group}/{name}"))?;
         Ok(FieldKind { name, components, storage })
     };
-    stored.names(group)?.into_iter().map(kind).collect()
+    stored.names(group).into_iter().map(kind).collect()
 }

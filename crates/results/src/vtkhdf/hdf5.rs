@@ -236,11 +236,11 @@ impl StoredFile {
         Ok(StoredFile(H5File::options().no_locking().open(path)?))
     }
     /// Names of the datasets directly in a group; none if there is no such group.
-    pub(crate) fn names(&self, group: &str) -> Result<Vec<String>> {
+    pub(crate) fn names(&self, group: &str) -> Vec<String> {
         let prefix = format!("{}/", group.trim_matches('/'));
         let names = self.0.dataset_names();
         let inside = names.iter().filter_map(|name| name.trim_start_matches('/').strip_prefix(&prefix));
-        Ok(inside.filter(|name| !name.contains('/')).map(Into::into).collect())
+        inside.filter(|name| !name.contains('/')).map(Into::into).collect()
     }
     pub(crate) fn integers(&self, dataset: &str) -> Result<Vec<i64>> {
         Ok(self.0.dataset(dataset)?.read_raw::<i64>()?)
