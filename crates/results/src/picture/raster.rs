@@ -160,7 +160,7 @@ fn lit(colour: [f32; 3], [x, y]: [f32; 2]) -> [u8; 3] {
     const HALF: [f32; 3] = [-0.215, 0.322, 0.922];
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();
     let along = |direction: [f32; 3]| (direction[0] * x + direction[1] * y + direction[2] * z).max(0.0);
-    let brightness = (0.30 + 0.78 * along(LIGHT)) * (0.35 + 0.65 * z.sqrt());
+    let brightness = (0.42 + 0.72 * along(LIGHT)) * (0.45 + 0.55 * z.sqrt());
     let highlight = 0.22 * along(HALF).powi(40);
     colour.map(|channel| ((channel * brightness + highlight).clamp(0.0, 1.0) * 255.0).round() as u8)
 }

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use tdem_engine::physics::contact::{Interaction, Law};
+use tdem_engine::physics::contact::{Friction, Interaction, Law};
 use tdem_engine::{Constraint, Domain, Integrator, Plan, Search, Simulation, State, Wall, cpu};
 use tdem_results::{Control, Note, Observer, Progress, RunDirectory, Schedule};
 
@@ -16,7 +16,7 @@ pub(crate) fn plan() -> Plan {
     Plan {
         dt: 1e-4,
         integrator: Integrator::VelocityVerlet,
-        law: Law::GNTM,
+        law: Law { friction: Friction::Rescaled, ..Law::GNTM },
         materials: 1,
         interactions: vec![Interaction {
             normal_stiffness: 1e7,
