@@ -25,7 +25,8 @@ pub struct Contents {
 
 impl Default for Contents {
     fn default() -> Self {
-        Contents { contacts: false, precision: Precision::Single, compression: 4 }
+        // Of a million particles, level 4 saves 2 % more space than level 1 and takes three times as long.
+        Contents { contacts: false, precision: Precision::Single, compression: 1 }
     }
 }
 

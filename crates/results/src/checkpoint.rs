@@ -138,8 +138,11 @@ pub fn write(folder: &Path, state: &State) -> Result<PathBuf, Error> {
 /// # Errors
 /// What is wrong with it.
 pub fn read(path: &Path) -> Result<State, Damage> {
-    let bytes = fs::read(path).map_err(|error| Damage::Inaccessible { kind: error.kind() })?;
-    let (length, metadata) = SafeTensors::read_metadata(&bytes).map_err(|_| Damage::Unreadable)?;
+    decode(&fs::read(path).map_err(|error| Damage::Inaccessible { kind: error.kind() })?)
+}
+
+fn decode(bytes: &[u8]) -> Result<State, Damage> {
+    let (length, metadata) = SafeTensors::read_metadata(bytes).map_err(|_| Damage::Unreadable)?;
     let hashes = metadata.metadata().as_ref().ok_or(Damage::Header)?;
     if hashes.get("format").map(String::as_str) != Some(FORMAT) {
         return Err(Damage::Header);
@@ -149,7 +152,7 @@ pub fn read(path: &Path) -> Result<State, Damage> {
     if *own != hash(header.replacen(own.as_str(), NO_HASH, 1).as_bytes()) {
         return Err(Damage::Header);
     }
-    let tensors = SafeTensors::deserialize(&bytes).map_err(|_| Damage::Unreadable)?;
+    let tensors = SafeTensors::deserialize(bytes).map_err(|_| Damage::Unreadable)?;
     Reader { tensors, hashes }.state()
 }
 
@@ -338,5 +341,49 @@ impl Reader<'_> {
                 |[particle, wall], displacement| WallContact { particle, wall, displacement },
             )?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_of_any_byte_is_found() {
+        let state = State {
+            step: 12,
+            initial_energy: 0.25,
+            id: vec![0, 1],
+            material: vec![0, 3],
+            position: vec![[0.1, -0.0, 0.3]; 2],
+            derivatives: vec![[[1.0; 3]; 4]; 2],
+            contacts: vec![Contact { first: 0, second: 1, displacement: [1.0, 2.0, 3.0] }],
+            ..State::default()
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let good = fs::read(write(folder.path(), &state).unwrap()).unwrap();
+        assert_eq!(decode(&good), Ok(state));
+        for place in 0..good.len() {
+            for change in 1..=255 {
+                let mut bad = good.clone();
+                bad[place] ^= change;
+                assert!(decode(&bad).is_err(), "byte {place} changed by {change:#x}");
+            }
+        }
+        for length in 0..good.len() {
+            assert!(decode(&good[..length]).is_err(), "cut off at {length}");
+        }
+        assert!(decode(&[good.as_slice(), b"x"].concat()).is_err(), "a byte too many");
+    }
+
+    #[test]
+    fn the_first_and_the_last_two_checkpoints_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        for step in [5, 10, 100, 1_000_000_000_000, 1_000_000_000_001] {
+            write(folder.path(), &State { step, ..State::default() }).unwrap();
+            thin_out(folder.path()).unwrap();
+        }
+        let steps: Vec<Option<u64>> = list(folder.path()).unwrap().iter().map(|path| step_of(path)).collect();
+        assert_eq!(steps, [Some(5), Some(1_000_000_000_000), Some(1_000_000_000_001)]);
     }
 }

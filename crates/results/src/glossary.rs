@@ -77,7 +77,8 @@ impl Entry {
     pub fn columns(&self) -> impl Iterator<Item = String> + use<> {
         let (name, components) = (self.name, self.components);
         let suffix = |component: usize| ["_x", "_y", "_z"].get(component).copied().unwrap_or_default();
-        (0..components).map(move |component| if components > 1 { format!("{name}{}", suffix(component)) } else { name.into() })
+        (0..components)
+            .map(move |component| if components > 1 { format!("{name}{}", suffix(component)) } else { name.into() })
     }
 }
 
@@ -171,12 +172,9 @@ pub(crate) static CONTACTS: &[Quantity<OfPairs>] = &[
     real("overlap", "m", "overlap, positive in contact", |p| of_pairs(p, |pair| pair.overlap)),
     real("normal_force", "N", "normal force, positive when it pushes apart", |p| of_pairs(p, |pair| pair.normal_force)),
     vector("force", "N", "force on the first particle", |p| vectors_of_pairs(p, |pair| pair.force)),
-    vector(
-        "tangential_displacement",
-        "m",
-        "stored displacement of the second surface relative to the first",
-        |p| vectors_of_pairs(p, |pair| pair.displacement),
-    ),
+    vector("tangential_displacement", "m", "stored displacement of the second surface relative to the first", |p| {
+        vectors_of_pairs(p, |pair| pair.displacement)
+    }),
 ];
 
 pub(crate) static WALLS: &[Quantity<OfWalls>] = &[
@@ -207,25 +205,16 @@ pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     real("gravitational", "J", "potential energy of gravity", |r| one(r.ledger.gravitational)),
     real("friction_dissipated", "J", "dissipated by sliding since the start", |r| one(r.ledger.friction_dissipated)),
     real("damping_dissipated", "J", "dissipated by dashpots since the start", |r| one(r.ledger.damping_dissipated)),
-    real(
-        "stiffening_work",
-        "J",
-        "put into tangential springs by a change of their stiffness since the start",
-        |r| one(r.ledger.stiffening_work),
-    ),
+    real("stiffening_work", "J", "put into tangential springs by a change of their stiffness since the start", |r| {
+        one(r.ledger.stiffening_work)
+    }),
     real("external_work", "J", "work of walls and prescribed motion since the start", |r| one(r.ledger.external_work)),
-    real(
-        "energy_error",
-        "J",
-        "what the ledger does not explain: present + dissipated - work - initial energy",
-        |r| one(r.ledger.energy_error),
-    ),
-    real(
-        "unbalanced_force_ratio",
-        "1",
-        "mean resultant force on a particle over mean contact force",
-        |r| one(r.ledger.unbalanced_force_ratio),
-    ),
+    real("energy_error", "J", "what the ledger does not explain: present + dissipated - work - initial energy", |r| {
+        one(r.ledger.energy_error)
+    }),
+    real("unbalanced_force_ratio", "1", "mean resultant force on a particle over mean contact force", |r| {
+        one(r.ledger.unbalanced_force_ratio)
+    }),
     id("contacts", "number of touching pairs of particles", |r| count(r.ledger.contacts)),
     id("wall_contacts", "number of particles that touch walls, counted per wall", |r| count(r.ledger.wall_contacts)),
     real("largest_speed", "m/s", "largest speed of a particle", |r| one(r.ledger.largest_speed)),

@@ -53,9 +53,7 @@ pub(crate) struct History {
 impl History {
     /// Begins a history, over an old one if there is one.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
-        atomically(path, |unfinished| {
-            fs::write(unfinished, header() + "\n").context(Action::Write, path)
-        })?;
+        atomically(path, |unfinished| fs::write(unfinished, header() + "\n").context(Action::Write, path))?;
         History::open(path, 0)
     }
 
@@ -89,8 +87,7 @@ impl History {
     /// Adds a row, or nothing.
     pub(crate) fn append(&mut self, row: &Row) -> Result<(), Error> {
         let text = row.text() + "\n";
-        let result =
-            self.file.seek(SeekFrom::Start(self.length)).and_then(|_| self.file.write_all(text.as_bytes()));
+        let result = self.file.seek(SeekFrom::Start(self.length)).and_then(|_| self.file.write_all(text.as_bytes()));
         if let Err(error) = result {
             // Part of the row may be there. The first error is the one to tell.
             let _ = self.cut();

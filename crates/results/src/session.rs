@@ -28,13 +28,7 @@ pub struct Schedule {
 
 impl Default for Schedule {
     fn default() -> Self {
-        Schedule {
-            steps: 0,
-            frame_every: 0,
-            history_every: 0,
-            checkpoint_every: None,
-            checkpoint_interval_secs: 300.0,
-        }
+        Schedule { steps: 0, frame_every: 0, history_every: 0, checkpoint_every: None, checkpoint_interval_secs: 300.0 }
     }
 }
 
@@ -136,7 +130,14 @@ pub fn run(
     schedule: &Schedule,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    Session::begin(simulation, directory, schedule, observer)?.run()
+    let mut session = Session::begin(simulation, directory, schedule, observer)?;
+    let result = session.run();
+    if let Err(error) = &result {
+        // Whether or not the masters and the log can be written, the first error is what must be told.
+        let _ = session.directory.publish();
+        let _ = session.directory.log(&error.to_string());
+    }
+    result
 }
 
 /// The least time between two calls of the observer.
@@ -215,7 +216,7 @@ impl<'a> Session<'a> {
         Ok(session)
     }
 
-    fn run(mut self) -> Result<Outcome, RunError> {
+    fn run(&mut self) -> Result<Outcome, RunError> {
         let mut pace = Pace::new();
         let mut rate = Rate::new(self.simulation.step());
         if self.observe(&rate)? == Control::Stop && self.simulation.step() < self.schedule.steps {
@@ -334,7 +335,7 @@ impl<'a> Session<'a> {
         Ok(control)
     }
 
-    fn stop(mut self) -> Result<Outcome, RunError> {
+    fn stop(&mut self) -> Result<Outcome, RunError> {
         let step = self.simulation.step();
         if self.directory.last_checkpoint() != Some(step) {
             let state = self.simulation.state();
@@ -345,10 +346,7 @@ impl<'a> Session<'a> {
         Ok(Outcome::Interrupted { step })
     }
 
-    fn fault(self, fault: Fault) -> RunError {
-        // Whether or not the masters and the log can be written, the fault is what must be told.
-        let _ = self.directory.publish();
-        let _ = self.directory.log(&fault.to_string());
+    fn fault(&self, fault: Fault) -> RunError {
         RunError::Fault {
             fault,
             checkpoint: self.directory.last_checkpoint().unwrap_or(0),

@@ -100,8 +100,7 @@ fn a_fault_names_the_last_good_checkpoint_and_keeps_the_results() {
     let mut directory = RunDirectory::create(folder.path(), "", false).unwrap();
     let mut state = state();
     state.velocity[7] = [0.0, 0.0, 100.0];
-    let error =
-        run(simulation(state), &mut directory, &schedule(100_000), &mut Watcher::default()).unwrap_err();
+    let error = run(simulation(state), &mut directory, &schedule(100_000), &mut Watcher::default()).unwrap_err();
     drop(directory);
     let RunError::Fault { checkpoint, path, .. } = &error else { panic!("{error}") };
     assert_eq!(path, folder.path());

@@ -123,3 +123,78 @@ impl Scene<'_> {
 fn array(vector: Vec3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tdem_engine::physics::contact::{Interaction, Law};
+    use tdem_engine::{Constraint, Domain, Integrator, Ledger, Plan, Search, State, Wall};
+
+    /// Two spheres that touch across the seam in x, one of which also touches the floor.
+    fn pair_across_the_seam() -> (State, Plan) {
+        let interaction = Interaction {
+            normal_stiffness: 1e6,
+            tangential_stiffness: 1e6,
+            normal_damping: 0.0,
+            tangential_damping: 0.0,
+            static_friction: 0.5,
+            dynamic_friction: 0.5,
+            least_normal_force: 0.0,
+        };
+        let plan = Plan {
+            dt: 1e-5,
+            integrator: Integrator::VelocityVerlet,
+            law: Law::GNTM,
+            materials: 1,
+            interactions: vec![interaction],
+            walls: vec![Wall { name: "floor".into(), normal: [0.0, 0.0, 1.0], velocity: [0.0; 3], material: 0 }],
+            gravity: [0.0; 3],
+            constraints: vec![Constraint::FREE],
+            domain: Domain { min: [0.0; 3], max: [1.0; 3], periodic: [true, false, false] },
+            search: Search { skin: 0.01, every_step: false },
+            overlap_limit: 0.5,
+            ledger: false,
+        };
+        let state = State {
+            id: vec![4, 9],
+            material: vec![0; 2],
+            constraint: vec![0; 2],
+            radius: vec![0.1; 2],
+            mass: vec![1.0; 2],
+            position: vec![[0.05, 0.5, 0.098], [0.86, 0.5, 0.2]],
+            image: vec![[0; 3]; 2],
+            velocity: vec![[0.0; 3]; 2],
+            angular_velocity: vec![[0.0; 3]; 2],
+            force: vec![[0.0; 3]; 2],
+            moment: vec![[0.0; 3]; 2],
+            wall_position: vec![[0.0; 3]],
+            contacts: vec![Contact { first: 4, second: 9, displacement: [0.0; 3] }],
+            wall_contacts: vec![WallContact { particle: 4, wall: 0, displacement: [1e-4, 0.0, 0.0] }],
+            ..State::default()
+        };
+        (state, plan)
+    }
+
+    #[test]
+    fn a_contact_across_the_seam_is_a_short_line_to_the_nearest_image() {
+        let (mut state, plan) = pair_across_the_seam();
+        state.position[1][2] = 0.12;
+        let pairs = Scene { state: &state, plan: &plan, start: None }.pairs();
+        let [Pair { first: 4, second: 9, wall: -1, ends: [from, to], overlap, force, .. }] = pairs[..] else {
+            panic!("{pairs:?}")
+        };
+        assert_eq!(from, state.position[0]);
+        assert!((to[0] - (0.86 - 1.0)).abs() < 1e-12, "an image, outside the domain: {to:?}");
+        assert!(overlap > 0.0 && force[0] > 0.0, "the first is pushed away from the image: {force:?}");
+        assert!(pairs[0].normal_force > 0.0);
+    }
+
+    #[test]
+    fn the_force_on_walls_is_that_of_the_ledger() {
+        let (state, plan) = pair_across_the_seam();
+        let sums = Scene { state: &state, plan: &plan, start: None }.wall_sums();
+        assert_eq!(sums.len(), 1);
+        assert_eq!((sums[0].force, sums[0].touching), (Ledger::of(&state, &plan).wall_force, 1));
+        assert!(sums[0].force[2] < 0.0 && sums[0].force[0] != 0.0, "{:?}", sums[0].force);
+    }
+}

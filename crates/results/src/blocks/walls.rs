@@ -3,8 +3,8 @@
 use super::{Precision, Scene, field};
 use crate::glossary::{Place, WALLS};
 use crate::vtkhdf::block::{Block, Cells};
-use tdem_engine::physics::{Vec3, vec3};
 use tdem_engine::Domain;
+use tdem_engine::physics::{Vec3, vec3};
 
 impl Scene<'_> {
     pub(super) fn walls(&self, precision: Precision) -> Block {

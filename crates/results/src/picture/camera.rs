@@ -50,8 +50,7 @@ impl Camera {
         let distance = (0..8)
             .map(|corner| {
                 let pick = |bit: usize, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
-                let offset =
-                    vec3(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - middle;
+                let offset = vec3(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - middle;
                 let across = offset.dot(right).abs() * focus / (0.5 * width);
                 let along = offset.dot(up).abs() * focus / (0.5 * height);
                 across.max(along) * MARGIN - offset.dot(forward)

@@ -144,8 +144,7 @@ pub(super) const POINTS: Label = Label { unit: "m", description: "position" };
 
 /// The documentation of a field.
 pub(super) fn label(block: &str, field: &str) -> Label {
-    entry_of(block, field)
-        .map_or(Label::default(), |entry| Label { unit: entry.unit, description: entry.description })
+    entry_of(block, field).map_or(Label::default(), |entry| Label { unit: entry.unit, description: entry.description })
 }
 
 fn read(stored: &StoredFile, file: String) -> Result<Frame> {

@@ -67,7 +67,8 @@ impl<'a> Series<'a> {
             .filter_map(|frame| Some((frame, frame.blocks.iter().find(|block| block.name == name)?)))
             .map(|(frame, block)| Instant { frame, block })
             .collect();
-        let fixed = instants.iter().all(|instant| instant.block.fixed && instant.block.cells == instants[0].block.cells);
+        let fixed =
+            instants.iter().all(|instant| instant.block.fixed && instant.block.cells == instants[0].block.cells);
         Series { run, name, numbers, instants, fixed }
     }
 
@@ -190,4 +191,77 @@ fn running(instants: &[Instant<'_>], rows: impl Fn(&BlockSize) -> usize) -> Vec<
         begin
     };
     instants.iter().map(begin).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vtkhdf::block::{Block, Cells, Field};
+    use crate::vtkhdf::hdf5::StoredFile;
+    use std::fs;
+
+    fn points(name: &'static str, count: usize, fixed: bool) -> Block {
+        let ids = (0..count as i64).collect();
+        Block {
+            name,
+            points: Array::F64((0..3 * count).map(|k| k as f64).collect()),
+            cells: Cells::Vertices,
+            point_fields: vec![Field { name: "id".into(), components: 1, data: Array::I64(ids) }],
+            cell_fields: Vec::new(),
+            fixed,
+        }
+    }
+
+    fn frames(run: &Path, blocks: &[Vec<Block>]) -> Vec<Frame> {
+        fs::create_dir(run.join("frames")).unwrap();
+        let write = |(step, blocks): (usize, &Vec<Block>)| {
+            let file = format!("frames/{step}.vtkhdf");
+            let frame = Frame::write(run, file.clone(), step as u64, step as f64, blocks, 4).unwrap();
+            let mut read = Frame::read(run, file).unwrap();
+            read.blocks.sort_by_key(|block| blocks.iter().position(|other| other.name == block.name));
+            assert_eq!(read, frame, "a frame on the disk is what its writer remembers");
+            frame
+        };
+        blocks.iter().enumerate().map(write).collect()
+    }
+
+    #[test]
+    fn virtual_and_copied_numbers_are_those_of_the_frames() {
+        let run = tempfile::tempdir().unwrap();
+        // Sizes on both sides of a chunk, and none at all.
+        let counts = [3, 0, 70_000, 300, 65_536];
+        let frames = frames(run.path(), &counts.map(|count| vec![points("particles", count, false)]));
+        let expected: Vec<i64> = counts.iter().flat_map(|&count| 0..count as i64).collect();
+        for numbers in [Numbers::InFrames, Numbers::Copied(0), Numbers::Copied(6)] {
+            let paths = write(run.path(), run.path(), &frames, numbers).unwrap();
+            let stored = StoredFile::open(&paths[0]).unwrap();
+            assert_eq!(stored.integers("VTKHDF/PointData/id").unwrap(), expected, "{numbers:?}");
+            assert_eq!(stored.integers("VTKHDF/Steps/PointOffsets").unwrap(), [0, 3, 3, 70_003, 70_303]);
+            let offsets = stored.integers("VTKHDF/Vertices/Offsets").unwrap();
+            assert_eq!(&offsets[..6], [0, 1, 2, 3, 0, 0], "an empty part holds one 0");
+        }
+    }
+
+    #[test]
+    fn fixed_geometry_is_stored_once_and_fields_at_every_time() {
+        let run = tempfile::tempdir().unwrap();
+        let frames = frames(run.path(), &[(); 3].map(|()| vec![points("walls", 2, true)]));
+        let paths = write(run.path(), run.path(), &frames, Numbers::InFrames).unwrap();
+        let stored = StoredFile::open(&paths[0]).unwrap();
+        assert_eq!(stored.integers("VTKHDF/NumberOfPoints").unwrap(), [2]);
+        assert_eq!(stored.integers("VTKHDF/Steps/PartOffsets").unwrap(), [0, 0, 0]);
+        assert_eq!(stored.integers("VTKHDF/Steps/PointDataOffsets/id").unwrap(), [0, 2, 4]);
+        assert_eq!(stored.integers("VTKHDF/PointData/id").unwrap(), [0, 1, 0, 1, 0, 1]);
+    }
+
+    #[test]
+    fn a_block_that_came_later_begins_later() {
+        let run = tempfile::tempdir().unwrap();
+        let both = vec![points("particles", 2, false), points("contacts", 1, false)];
+        let frames = frames(run.path(), &[vec![points("particles", 2, false)], both]);
+        let paths = write(run.path(), run.path(), &frames, Numbers::InFrames).unwrap();
+        assert!(paths[0].ends_with("contacts.vtkhdf") && paths[1].ends_with("particles.vtkhdf"));
+        assert_eq!(StoredFile::open(&paths[0]).unwrap().reals("VTKHDF/Steps/Values").unwrap(), [1.0]);
+        assert_eq!(StoredFile::open(&paths[1]).unwrap().reals("VTKHDF/Steps/Values").unwrap(), [0.0, 1.0]);
+    }
 }

@@ -50,11 +50,11 @@ pub(crate) fn state() -> State {
                 let id = state.id.len() as u32;
                 state.id.push(id);
                 state.position.push([
-                    0.119 * i as f64 + 0.01 * k as f64 + 1e-3,
-                    0.07 + 0.115 * j as f64 + 0.003 * i as f64,
-                    0.06 + 0.125 * k as f64,
+                    0.119 * f64::from(i) + 0.01 * f64::from(k) + 1e-3,
+                    0.07 + 0.115 * f64::from(j) + 0.003 * f64::from(i),
+                    0.06 + 0.125 * f64::from(k),
                 ]);
-                state.velocity.push([0.4 - 0.1 * j as f64, 0.05 * i as f64, -0.2 * k as f64]);
+                state.velocity.push([0.4 - 0.1 * f64::from(j), 0.05 * f64::from(i), -0.2 * f64::from(k)]);
             }
         }
     }
