@@ -364,7 +364,8 @@ mod tests {
         let good = fs::read(write(folder.path(), &state).unwrap()).unwrap();
         assert_eq!(decode(&good), Ok(state));
         for place in 0..good.len() {
-            for change in 1..=255 {
+            // Every bit, and a space that becomes another kind of white space.
+            for change in [1, 2, 4, 8, 16, 32, 64, 128, 0x2d] {
                 let mut bad = good.clone();
                 bad[place] ^= change;
                 assert!(decode(&bad).is_err(), "byte {place} changed by {change:#x}");

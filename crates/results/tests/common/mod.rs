@@ -1,6 +1,7 @@
 //! A small run that every test can afford: spheres that fall into a box which repeats in x, under a moving lid.
 
 #![allow(dead_code, reason = "each test uses its share")]
+#![allow(clippy::unwrap_used, reason = "the sample run uses this too, and may panic like a test")]
 
 use std::collections::BTreeMap;
 use std::fs;
