@@ -121,6 +121,7 @@ def scale_bar(table, title):
     bar.SetLabelFormat("{:.3g}" if vtk.vtkVersion().GetVTKMajorVersion() * 100 + vtk.vtkVersion().GetVTKMinorVersion() >= 906 else "%.3g")
     bar.UnconstrainedFontSizeOn()
     bar.SetBarRatio(0.25)
+    bar.SetVerticalTitleSeparation(14)
     bar.SetPosition(0.9, 0.25)
     bar.SetWidth(0.09)
     bar.SetHeight(0.5)
@@ -189,7 +190,7 @@ def main():
     camera.SetViewUp(0, 0, 1)
     camera.SetViewAngle(25)
     renderer.ResetCamera(particles.GetBounds())
-    camera.Zoom(1.1)
+    camera.Zoom(1.0)
     camera.SetWindowCenter(0.1, 0.0)  # room for the scale on the right
     renderer.ResetCameraClippingRange()
     window.Render()

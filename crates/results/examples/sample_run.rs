@@ -19,11 +19,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let moving = common::plan();
     let mut still = common::plan();
     still.walls.pop();
-    sample(&folder.join("moving"), moving, steps)?;
-    sample(&folder.join("still"), still, steps)
+    sample(&folder.join("moving"), &moving, steps)?;
+    sample(&folder.join("still"), &still, steps)
 }
 
-fn sample(folder: &Path, plan: Plan, steps: u64) -> Result<(), Box<dyn Error>> {
+fn sample(folder: &Path, plan: &Plan, steps: u64) -> Result<(), Box<dyn Error>> {
     let mut state = common::state();
     state.wall_position.truncate(plan.walls.len());
     let simulation = Simulation::new(state, plan.clone(), &cpu::Options::default())?;
@@ -40,7 +40,7 @@ fn sample(folder: &Path, plan: Plan, steps: u64) -> Result<(), Box<dyn Error>> {
         ("speed", Options::default()),
         ("height", Options { colour: Colour::Height, subject: Subject::Particles, ..Options::default() }),
     ] {
-        let png = picture::render(&state, &plan, &options)?;
+        let png = picture::render(&state, plan, &options)?;
         std::fs::write(folder.join(format!("pictures/{name}.png")), png)?;
     }
     Ok(())

@@ -1,5 +1,7 @@
 //! `kill -9` at any moment never leaves a directory that cannot be read and resumed.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
 mod common;
 
 use std::env;

@@ -1,5 +1,7 @@
 //! What a run directory does with bad luck: damage, full disks, other processes, other people's files.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
 mod common;
 
 use common::{run_new, run_on};

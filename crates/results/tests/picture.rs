@@ -1,5 +1,7 @@
 //! The quick-look pictures.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
 mod common;
 
 use tdem_engine::State;

@@ -1,5 +1,7 @@
 //! A run looks the same however often it was interrupted.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
 mod common;
 
 use common::{Watcher, assert_same_results, results, run_new, run_on, schedule, simulation, state};
