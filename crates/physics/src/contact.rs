@@ -144,7 +144,8 @@ pub fn respond<R: Real>(
             damping::restitution(interaction.normal_damping, stiffness, mass_eff, normal_speed)
         }
     };
-    let normal_force = (elastic + viscous).max(interaction.least_normal_force).named("normal_force");
+    // In this order a force that is not a number stays one, and the fault is found.
+    let normal_force = interaction.least_normal_force.max(elastic + viscous).named("normal_force");
     let normal_loss = (elastic - normal_force) * normal_speed * step;
 
     if law.friction == Friction::Off {
@@ -159,10 +160,11 @@ pub fn respond<R: Real>(
     let earlier_overlap = (overlap + normal_speed * step).max(R::lit(0.0));
     let shear = tangential::Shear {
         normal,
-        velocity: relative_velocity - normal * normal_speed,
-        stiffness: interaction.tangential_stiffness * contact_radius,
-        earlier_stiffness: interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt(),
-        damping: interaction.tangential_damping * mass_eff,
+        velocity: (relative_velocity - normal * normal_speed).named(["shear_x", "shear_y", "shear_z"]),
+        stiffness: (interaction.tangential_stiffness * contact_radius).named("stiffness"),
+        earlier_stiffness: (interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt())
+            .named("earlier_stiffness"),
+        damping: (interaction.tangential_damping * mass_eff).named("damping"),
         step,
     };
     let pressed = normal_force.max(R::lit(0.0));

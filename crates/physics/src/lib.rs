@@ -7,6 +7,7 @@
 //! * [`contact`] two bodies that touch: normal force, damping, friction with history, moments
 //! * [`motion`] how a particle moves under a force: velocity Verlet, Gear
 //! * [`stability`] how large a time step may be
+//! * [`print`](mod@print) all of these as C
 //! * [`material`] effective values of a pair of materials
 //!
 //! SI units throughout. The conventions (normal from the first body to the second, overlap positive in contact, force
@@ -15,6 +16,7 @@
 pub mod contact;
 pub mod material;
 pub mod motion;
+pub mod print;
 pub mod real;
 pub mod stability;
 mod vec3;

@@ -1,25 +1,41 @@
 //! The only place where the CPU back end names an instruction set: it picks, at run time, the widest the machine has.
-#![allow(
-    unsafe_code,
-    reason = "calling a function compiled for AVX-512 is sound only after the machine was asked for it"
-)]
+#![allow(unsafe_code, reason = "an instruction may be used only on machines that were asked whether they have it")]
 
 use super::bodies::Quad;
-use super::contact::{Crushed, Rows, Scene, Variant, rows_lanes};
+use super::contact::{Crushed, Rows, Scene, Variant, rows_eight};
+use tdem_physics::Real;
 use tdem_physics::real::{Lanes, WIDTH};
 
-/// How eight quads are brought into lanes.
-pub(super) trait Machine {
+/// Eight numbers in lanes, and how they come from and go to memory.
+pub(super) trait Eight: Real {
+    fn from_array(numbers: [f64; WIDTH]) -> Self;
+    fn to_array(self) -> [f64; WIDTH];
+    /// One bit per lane.
+    fn bits(mask: Self::Mask) -> u8;
     /// The first numbers of eight quads, the second ones, the third, the fourth.
-    fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Lanes; 4];
+    fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Self; 4];
 }
 
-/// Any machine.
-struct Portable;
-
-impl Machine for Portable {
+/// Any machine: the compiler makes of it what it can.
+impl Eight for Lanes {
     #[inline(always)]
-    fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Lanes; 4] {
+    fn from_array(numbers: [f64; WIDTH]) -> Self {
+        Lanes(numbers)
+    }
+    #[inline(always)]
+    fn to_array(self) -> [f64; WIDTH] {
+        self.0
+    }
+    #[inline(always)]
+    fn bits(mask: [u64; WIDTH]) -> u8 {
+        let mut bits = 0;
+        for l in 0..WIDTH {
+            bits |= (mask[l] as u8 & 1) << l;
+        }
+        bits
+    }
+    #[inline(always)]
+    fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Self; 4] {
         let mut lanes = [Lanes([0.0; WIDTH]); 4];
         for l in 0..WIDTH {
             let quad = field[index[l] as usize].0;
@@ -34,66 +50,151 @@ impl Machine for Portable {
 /// The contact loop for the widest registers of this machine.
 pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-        // SAFETY: the machine has just said that it has these features.
-        return unsafe { x86::rows_avx512::<V>(scene, rows) };
+    {
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            // SAFETY: the machine has just said that it has these features.
+            return unsafe { x86::rows_avx512::<V>(scene, rows) };
+        }
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the machine has just said that it has this feature.
+            return unsafe { x86::rows_avx2::<V>(scene, rows) };
+        }
     }
-    rows_lanes::<V, Portable>(scene, rows)
+    rows_eight::<V, Lanes>(scene, rows)
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Crushed, Lanes, Machine, Quad, Rows, Scene, Variant, WIDTH, rows_lanes};
+    use super::{Crushed, Eight, Lanes, Quad, Rows, Scene, Variant, WIDTH, rows_eight};
     use std::arch::x86_64::{
-        __m512d, _mm256_load_pd, _mm512_castpd256_pd512, _mm512_insertf64x4, _mm512_permutex2var_pd, _mm512_setr_epi64,
-        _mm512_store_pd, _mm512_unpackhi_pd, _mm512_unpacklo_pd,
+        __m512d, __mmask8, _CMP_GT_OQ, _mm256_load_pd, _mm512_abs_pd, _mm512_add_pd, _mm512_castpd256_pd512,
+        _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_insertf64x4, _mm512_loadu_pd, _mm512_mask_blend_pd, _mm512_mul_pd,
+        _mm512_permutex2var_pd, _mm512_set1_pd, _mm512_setr_epi64, _mm512_sqrt_pd, _mm512_storeu_pd, _mm512_sub_pd,
+        _mm512_unpackhi_pd, _mm512_unpacklo_pd, _mm512_xor_pd,
     };
-
-    /// A machine with AVX-512; only [`rows_avx512`] names it.
-    struct Avx512;
-
-    impl Machine for Avx512 {
-        #[inline(always)]
-        fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Lanes; 4] {
-            // SAFETY: only `rows_avx512` uses this type, and it is called on machines that have the feature.
-            unsafe { load(field, index) }
-        }
-    }
+    use std::ops::{Add, Div, Mul, Neg, Sub};
+    use tdem_physics::Real;
+    use tdem_physics::real::{Branch, Pack};
 
     #[target_feature(enable = "avx512f,avx512dq")]
     pub(super) fn rows_avx512<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
-        rows_lanes::<V, Avx512>(scene, rows)
+        rows_eight::<V, Zmm>(scene, rows)
+    }
+    #[target_feature(enable = "avx2")]
+    pub(super) fn rows_avx2<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+        rows_eight::<V, Lanes>(scene, rows)
     }
 
-    /// Eight rows of four to four rows of eight: eight 32-byte loads and twelve shuffles.
-    #[target_feature(enable = "avx512f,avx512dq")]
-    #[inline]
-    fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Lanes; 4] {
-        // SAFETY: a quad is 32 bytes at a multiple of 32.
-        let quad = |l: usize| unsafe { _mm256_load_pd(field[index[l] as usize].0.as_ptr()) };
-        let both = |l: usize| _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(quad(l)), quad(l + 4));
-        let rows = [both(0), both(1), both(2), both(3)];
-        // x0 x1 z0 z1 x4 x5 z4 z5 and so on: pairs of lanes.
-        let xz01 = _mm512_unpacklo_pd(rows[0], rows[1]);
-        let yw01 = _mm512_unpackhi_pd(rows[0], rows[1]);
-        let xz23 = _mm512_unpacklo_pd(rows[2], rows[3]);
-        let yw23 = _mm512_unpackhi_pd(rows[2], rows[3]);
-        let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-        let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-        [
-            lanes(_mm512_permutex2var_pd(xz01, low, xz23)),
-            lanes(_mm512_permutex2var_pd(yw01, low, yw23)),
-            lanes(_mm512_permutex2var_pd(xz01, high, xz23)),
-            lanes(_mm512_permutex2var_pd(yw01, high, yw23)),
-        ]
+    /// Eight numbers in one AVX-512 register: what [`Lanes`] says, one instruction each. Only code that [`rows_avx512`]
+    /// calls makes one.
+    #[derive(Clone, Copy)]
+    pub(super) struct Zmm(__m512d);
+
+    macro_rules! operators {
+        ($($operator:ident $function:ident $instruction:ident),*) => {$(
+            impl $operator for Zmm {
+                type Output = Self;
+                #[inline(always)]
+                fn $function(self, other: Self) -> Self {
+                    // SAFETY: a `Zmm` exists only where AVX-512 does.
+                    Zmm(unsafe { $instruction(self.0, other.0) })
+                }
+            }
+        )*};
+    }
+    operators!(Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+
+    impl Neg for Zmm {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            // SAFETY: a `Zmm` exists only where AVX-512 does.
+            Zmm(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+        }
     }
 
-    #[target_feature(enable = "avx512f,avx512dq")]
-    #[inline]
-    fn lanes(register: __m512d) -> Lanes {
-        let mut lanes = Lanes([0.0; WIDTH]);
-        // SAFETY: lanes are 64 bytes at a multiple of 64.
-        unsafe { _mm512_store_pd(lanes.0.as_mut_ptr(), register) };
-        lanes
+    impl Real for Zmm {
+        type Mask = __mmask8;
+
+        #[inline(always)]
+        fn lit(value: f64) -> Self {
+            // SAFETY: only code that `rows_avx512` calls uses this type.
+            Zmm(unsafe { _mm512_set1_pd(value) })
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            // SAFETY: a `Zmm` exists only where AVX-512 does.
+            Zmm(unsafe { _mm512_sqrt_pd(self.0) })
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            // SAFETY: a `Zmm` exists only where AVX-512 does.
+            Zmm(unsafe { _mm512_abs_pd(self.0) })
+        }
+        #[inline(always)]
+        fn gt(self, other: Self) -> __mmask8 {
+            // SAFETY: a `Zmm` exists only where AVX-512 does.
+            unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0) }
+        }
+        #[inline(always)]
+        fn select(mask: __mmask8, if_true: Self, if_false: Self) -> Self {
+            // SAFETY: a `Zmm` exists only where AVX-512 does.
+            Zmm(unsafe { _mm512_mask_blend_pd(mask, if_false.0, if_true.0) })
+        }
+        /// Skipped as a whole when no lane needs it.
+        #[inline(always)]
+        fn when<T: Pack<Self>>(mask: __mmask8, value: T, then: impl Branch<T>) -> T {
+            if mask == 0 {
+                return value;
+            }
+            then.taken(value).zip(value, &mut |replaced, kept| Self::select(mask, replaced, kept))
+        }
+    }
+
+    impl Eight for Zmm {
+        #[inline(always)]
+        fn from_array(numbers: [f64; WIDTH]) -> Self {
+            // SAFETY: only code that `rows_avx512` calls uses this type; the array has the eight numbers that are read.
+            Zmm(unsafe { _mm512_loadu_pd(numbers.as_ptr()) })
+        }
+        #[inline(always)]
+        fn to_array(self) -> [f64; WIDTH] {
+            let mut numbers = [0.0; WIDTH];
+            // SAFETY: a `Zmm` exists only where AVX-512 does; the array has room for the eight numbers.
+            unsafe { _mm512_storeu_pd(numbers.as_mut_ptr(), self.0) };
+            numbers
+        }
+        #[inline(always)]
+        fn bits(mask: __mmask8) -> u8 {
+            mask
+        }
+        /// Eight loads of 32 bytes and twelve shuffles.
+        #[inline(always)]
+        fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Self; 4] {
+            let mut from = [field[0].0.as_ptr(); WIDTH];
+            for l in 0..WIDTH {
+                from[l] = field[index[l] as usize].0.as_ptr();
+            }
+            // SAFETY: only code that `rows_avx512` calls uses this type; a quad is 32 bytes at a multiple of 32.
+            unsafe {
+                let two = |a: usize, b: usize| {
+                    _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(_mm256_load_pd(from[a])), _mm256_load_pd(from[b]))
+                };
+                let rows = [two(0, 4), two(1, 5), two(2, 6), two(3, 7)];
+                // Pairs of lanes: x0 x1 z0 z1 x4 x5 z4 z5 and so on.
+                let xz01 = _mm512_unpacklo_pd(rows[0], rows[1]);
+                let yw01 = _mm512_unpackhi_pd(rows[0], rows[1]);
+                let xz23 = _mm512_unpacklo_pd(rows[2], rows[3]);
+                let yw23 = _mm512_unpackhi_pd(rows[2], rows[3]);
+                let low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+                let high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+                [
+                    Zmm(_mm512_permutex2var_pd(xz01, low, xz23)),
+                    Zmm(_mm512_permutex2var_pd(yw01, low, yw23)),
+                    Zmm(_mm512_permutex2var_pd(xz01, high, xz23)),
+                    Zmm(_mm512_permutex2var_pd(yw01, high, yw23)),
+                ]
+            }
+        }
     }
 }

@@ -139,7 +139,7 @@ impl<R: Real> Encounter<R> {
         wall_velocity: Vec3<R>,
         spin: bool,
     ) -> Self {
-        let normal = -wall_normal;
+        let normal = (-wall_normal).named(["normal_x", "normal_y", "normal_z"]);
         let mut relative_velocity = wall_velocity - sphere.velocity;
         if spin {
             let arm = lever_arm(sphere.radius, touch.overlap);

@@ -1,6 +1,7 @@
 //! Friction with history: a spring and a dashpot in the plane of contact, limited by Coulomb's cone.
 
 use super::{Friction, Losses};
+use crate::real::Branch;
 use crate::{Real, Vec3};
 
 /// How the surfaces move against each other, and what resists.
@@ -70,19 +71,20 @@ pub fn friction<R: Real>(
     let turned = match form {
         Friction::Rescaled => turned * (earlier_stiffness / stiffness).min(R::lit(1.0)),
         Friction::Off | Friction::Displacement => turned,
-    };
+    }
+    .named(["turned_x", "turned_y", "turned_z"]);
     let stored_before = half * earlier_stiffness * displacement.dot(displacement);
     let stiffening = half * stiffness * turned.dot(turned) - stored_before;
 
-    let trial = turned + velocity * step;
-    let dashpot = velocity * damping;
-    let sticking = trial * stiffness + dashpot;
+    let trial = (turned + velocity * step).named(["trial_x", "trial_y", "trial_z"]);
+    let dashpot = (velocity * damping).named(["dashpot_x", "dashpot_y", "dashpot_z"]);
+    let sticking = (trial * stiffness + dashpot).named(["sticking_x", "sticking_y", "sticking_z"]);
     let size_squared = sticking.dot(sticking).named("size_squared");
     let slides = size_squared.gt(stick_limit * stick_limit);
-    let (force, kept) = R::when(slides, (sticking, trial), |(sticking, _)| {
-        let sliding = sticking * (slide_limit / size_squared.sqrt());
-        (sliding, (sliding - dashpot) * (R::lit(1.0) / stiffness))
-    });
+    let slide = Slide { dashpot, size_squared, slide_limit, stiffness };
+    let (force, kept) = R::when(slides, (sticking, trial), slide);
+    let force = force.named(["tangential_x", "tangential_y", "tangential_z"]);
+    let kept = kept.named(["kept_x", "kept_y", "kept_z"]);
     Drag {
         force,
         displacement: kept,
@@ -90,7 +92,23 @@ pub fn friction<R: Real>(
     }
 }
 
-/// The part of a vector across the normal, at the vector's full length; the vector itself where nothing is left.
+/// Step 4: force and displacement on the cone.
+struct Slide<R> {
+    dashpot: Vec3<R>,
+    size_squared: R,
+    slide_limit: R,
+    stiffness: R,
+}
+
+impl<R: Real> Branch<(Vec3<R>, Vec3<R>)> for Slide<R> {
+    #[inline(always)]
+    fn taken(self, (sticking, _): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
+        let sliding = sticking * (self.slide_limit / self.size_squared.sqrt());
+        (sliding, (sliding - self.dashpot) * (R::lit(1.0) / self.stiffness))
+    }
+}
+
+/// The part of a vector across the normal, at the vector's full length; zero where nothing is left.
 #[inline(always)]
 fn into_plane<R: Real>(vector: Vec3<R>, normal: Vec3<R>) -> Vec3<R> {
     let across = vector - normal * vector.dot(normal);

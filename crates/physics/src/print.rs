@@ -1,0 +1,149 @@
+//! The laws as C, for kernels to call.
+//!
+//! [`source`] prints one file: the structs the laws exchange and every [`Formula`] as a function. A kernel's skeleton
+//! (loads, loops over neighbours, stores) includes it after a prelude that defines
+//!
+//! | word | meaning |
+//! |---|---|
+//! | `real` | a double |
+//! | `DEVICE` | what stands before a function that kernels call |
+//! | `sqrt`, `fabs`, `INFINITY`, `NAN` | as in `math.h` |
+//!
+//! and compiles it without contraction of `a * b + c` and without value-unsafe optimisation. [`HOST_PRELUDE`] does so
+//! for C99. A function takes its inputs by value and writes its outputs through pointers:
+//!
+//! ```c
+//! Touch touch;
+//! touch_of_spheres(offset, radius_sum, &touch);
+//! if (touch.overlap > 0.0) {
+//!     Response response;
+//!     contact_of_spheres(first, second, touch, displacement, pair, dt, &response);
+//! }
+//! ```
+//!
+//! An input that a law does not look at (the position of a sphere in contact) need not be set.
+
+mod formulas;
+mod members;
+
+pub use formulas::{
+    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, SphereInertia,
+    StoredEnergy, TouchOfSpheres, TouchOfWall,
+};
+pub use members::{Members, Parameter, Parameters};
+
+use crate::contact::{Interaction, Law, Losses, Period, Response, Sphere, Touch};
+use crate::motion::gear::Trajectory;
+use crate::real::{CFunction, Symbol};
+use crate::{Real, Vec3};
+
+/// Defines for C99 what the printed laws rely on. GCC needs `-ffp-contract=off` besides the pragma.
+pub const HOST_PRELUDE: &str = "\
+#include <math.h>
+#pragma STDC FP_CONTRACT OFF
+#define DEVICE static inline
+typedef double real;
+";
+
+/// A law with named inputs and outputs: one function of the printed C.
+pub trait Formula {
+    /// Of the function.
+    const NAME: &'static str;
+    /// Names of the elements of [`Formula::Input`].
+    const INPUTS: &'static [&'static str];
+    /// Names of the elements of [`Formula::Output`].
+    const OUTPUTS: &'static [&'static str];
+    /// What the law is given.
+    type Input<R: Real>: Parameters<R>;
+    /// What it returns.
+    type Output<R: Real>: Parameters<R>;
+
+    /// The law itself.
+    fn apply<R: Real>(&self, input: Self::Input<R>) -> Self::Output<R>;
+}
+
+/// A formula as a function of C.
+///
+/// # Panics
+/// If the formula does not name each of its inputs and outputs.
+#[must_use]
+pub fn function<F: Formula>(formula: &F) -> CFunction {
+    let inputs = F::Input::<Symbol>::described(F::INPUTS);
+    let outputs = F::Output::<Symbol>::described(F::OUTPUTS);
+    let by_value = inputs.iter().map(|parameter| format!("const {}", parameter.value));
+    let by_address = outputs.iter().map(|parameter| parameter.pointer.clone());
+    CFunction::record(&head(F::NAME, by_value.chain(by_address)), |c| {
+        let mut sources = inputs.iter().flat_map(|parameter| &parameter.members);
+        let mut targets = outputs.iter().flat_map(|parameter| &parameter.pointed);
+        let input = F::Input::read(&mut || c.input(sources.next().expect("each number has a path")));
+        formula.apply(input).write(&mut |value| c.output(targets.next().expect("each number has a path"), value));
+    })
+}
+
+/// `DEVICE void name(parameters)`, wrapped.
+fn head(name: &str, parameters: impl Iterator<Item = String>) -> String {
+    const WIDTH: usize = 120;
+    let start = format!("DEVICE void {name}(");
+    let mut text = start.clone();
+    let mut column = start.len();
+    for (count, parameter) in parameters.enumerate() {
+        let needed = parameter.len() + 2;
+        if count > 0 && column + needed > WIDTH {
+            text.push_str(",\n");
+            text.extend(std::iter::repeat_n(' ', start.len()));
+            column = start.len();
+        } else if count > 0 {
+            text.push_str(", ");
+        }
+        text += &parameter;
+        column += needed;
+    }
+    text + ")"
+}
+
+/// The structs that the functions exchange, as typedefs.
+#[must_use]
+pub fn types() -> String {
+    [
+        Vec3::<Symbol>::definition(),
+        Period::<Symbol>::definition(),
+        Sphere::<Symbol>::definition(),
+        Touch::<Symbol>::definition(),
+        Interaction::<Symbol>::definition(),
+        Losses::<Symbol>::definition(),
+        Response::<Symbol>::definition(),
+        Trajectory::<Symbol>::definition(),
+    ]
+    .concat()
+}
+
+/// Every formula by its name, as a function, in the given variant of the contact law.
+#[must_use]
+pub fn functions(law: Law) -> Vec<(&'static str, CFunction)> {
+    fn entry<F: Formula>(formula: &F) -> (&'static str, CFunction) {
+        (F::NAME, function(formula))
+    }
+    vec![
+        entry(&NearestImage),
+        entry(&TouchOfSpheres),
+        entry(&TouchOfWall),
+        entry(&LeverArm),
+        entry(&ContactOfSpheres { law }),
+        entry(&ContactWithWall { law }),
+        entry(&StoredEnergy),
+        entry(&SphereInertia),
+        entry(&Kick),
+        entry(&Drift),
+        entry(&GearPredict),
+        entry(&GearCorrect),
+    ]
+}
+
+/// Types and functions in one text, to stand between a prelude and a kernel.
+#[must_use]
+pub fn source(law: Law) -> String {
+    functions(law).into_iter().fold(types(), |text, (_, function)| text + "\n" + &function.text)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,106 @@
+use super::*;
+use crate::real::Operations;
+
+#[test]
+fn a_drift_in_c() {
+    assert_eq!(
+        function(&Drift).text,
+        "\
+DEVICE void drift(const Vec3 position, const Vec3 velocity, const real dt, Vec3 *drifted)
+{
+    const real position_x = position.x;
+    const real position_y = position.y;
+    const real position_z = position.z;
+    const real velocity_x = velocity.x;
+    const real velocity_y = velocity.y;
+    const real velocity_z = velocity.z;
+    const real t1 = velocity_x * dt;
+    const real t2 = velocity_y * dt;
+    const real t3 = velocity_z * dt;
+    const real t4 = position_x + t1;
+    const real t5 = position_y + t2;
+    const real t6 = position_z + t3;
+    drifted->x = t4;
+    drifted->y = t5;
+    drifted->z = t6;
+}
+"
+    );
+}
+
+#[test]
+fn structs_in_c() {
+    let types = types();
+    assert!(types.starts_with("typedef struct {\n    real x;\n    real y;\n    real z;\n} Vec3;\n"));
+    let response = "\
+typedef struct {
+    Vec3 force;
+    Vec3 moment_per_arm;
+    Vec3 displacement;
+    Losses losses;
+} Response;
+";
+    assert!(types.contains(response));
+    assert!(types.contains("    Vec3 derivatives[4];\n"));
+    assert!(types.contains("    Vec3 half_length;\n"), "half is a type of OpenCL");
+}
+
+#[test]
+fn long_heads_are_wrapped() {
+    let head = "\
+DEVICE void contact_of_spheres(const Sphere first, const Sphere second, const Touch touch, const Vec3 displacement,
+                               const Interaction pair, const real dt, Response *response)
+{
+";
+    assert!(function(&ContactOfSpheres { law: Law::GNTM }).text.starts_with(head));
+}
+
+/// Regression: what one GNTM contact costs, for the roofline.
+#[test]
+fn operations_of_a_contact() {
+    let contact = function(&ContactOfSpheres { law: Law::GNTM });
+    let always = Operations {
+        additions: 61,
+        multiplications: 88,
+        divisions: 4,
+        square_roots: 3,
+        comparisons: 5,
+        selections: 5,
+        sign_changes: 1,
+    };
+    assert_eq!(contact.always, always);
+    let sliding =
+        Operations { additions: 3, multiplications: 6, divisions: 2, square_roots: 1, ..Operations::default() };
+    assert_eq!(contact.in_branches, sliding);
+    assert!(function(&ContactOfSpheres { law: Law::GN }).operations().arithmetic() < contact.always.arithmetic() / 3);
+}
+
+#[test]
+fn a_law_without_friction_does_not_look_at_its_parameters() {
+    let text = function(&ContactOfSpheres { law: Law::GN }).text;
+    for unused in ["angular_velocity", "tangential", "_friction", "position"] {
+        assert!(!text.contains(unused), "{unused}");
+    }
+}
+
+#[test]
+fn the_source_holds_types_and_every_function_once() {
+    let source = source(Law::GNTM);
+    for (name, function) in functions(Law::GNTM) {
+        assert_eq!(source.matches(&format!(" {name}(")).count(), 1, "{name}");
+        assert!(source.contains(&function.text));
+    }
+}
+
+#[test]
+fn numbers_come_back_as_they_went_in() {
+    let mut count = 0.0;
+    let sphere = Sphere::<f64>::read(&mut || {
+        count += 1.0;
+        count
+    });
+    assert_eq!((sphere.position.y, sphere.radius, sphere.mass, sphere.angular_velocity.z), (2.0, 4.0, 8.0, 11.0));
+    let mut row = Vec::new();
+    sphere.write(&mut |number| row.push(number));
+    assert_eq!(row, (1..=11).map(f64::from).collect::<Vec<_>>());
+}
