@@ -3,6 +3,7 @@
 use super::bodies::{Bodies, sphere};
 use super::neighbours::{Neighbours, WallSlot};
 use super::search::split;
+use super::wide::prefetch;
 use super::{CHUNK, Cpu};
 use crate::Plan;
 use crate::energy_accounts::{DAMPING, EXTERNAL, FRICTION, STIFFENING};
@@ -57,6 +58,9 @@ impl Cpu {
     }
 }
 
+/// Particles ahead whose incoming records are asked for.
+const AHEAD: usize = 6;
+
 /// Force and moment on a particle so far.
 struct Sum {
     force: Vec3<f64>,
@@ -66,6 +70,12 @@ struct Sum {
 /// Adds the pairs that particles of lower rank keep. `STRIDE` is 6 with moments, 3 without.
 #[inline(always)]
 fn add_incoming<const STRIDE: usize>(list: &Neighbours, i: usize, sum: &mut Sum) {
+    if i + AHEAD + 1 < list.incoming_start.len() {
+        for &pair in list.incoming(i + AHEAD) {
+            prefetch(&list.reaction, STRIDE * pair as usize);
+            prefetch(&list.reaction, STRIDE * pair as usize + STRIDE - 1);
+        }
+    }
     for &pair in list.incoming(i) {
         let pair = pair as usize;
         if list.touching[pair] {
