@@ -63,8 +63,7 @@ fn column(count: usize, side: f64, friction: f64) -> (Scene, f64) {
         let index = scene.moving(RADIUS, DENSITY, place, random_vector(61, k).map(|v| 0.5 * v));
         scene.state.velocity[index][2] -= 0.3 * random(62, k);
     }
-    scene.plan.domain =
-        Domain { min: [0.0, 0.0, -1.0], max: [side, side, 10.0], periodic: [true, true, false] };
+    scene.plan.domain = Domain { min: [0.0, 0.0, -1.0], max: [side, side, 10.0], periodic: [true, true, false] };
     scene.plan.search.skin = 0.15 * RADIUS;
     (scene, 0.15 * rayleigh)
 }
@@ -127,8 +126,7 @@ fn interior(scene: &Scene, state: &State, friction: f64) -> (f64, f64) {
     let mut heights: Vec<f64> = state.position.iter().map(|x| x[2]).collect();
     heights.sort_by(f64::total_cmp);
     let (low, high) = (heights[n / 4], heights[3 * n / 4]);
-    let inside: Vec<usize> =
-        (0..n).filter(|&i| alive[i] && (low..high).contains(&state.position[i][2])).collect();
+    let inside: Vec<usize> = (0..n).filter(|&i| alive[i] && (low..high).contains(&state.position[i][2])).collect();
     let mean = inside.iter().map(|&i| f64::from(touches[i])).sum::<f64>() / inside.len() as f64;
     // Volume of the spheres, cut by the two planes.
     let filled: f64 = state.position.iter().map(|x| cap(x[2], high) - cap(x[2], low)).sum();

@@ -28,7 +28,7 @@ pub(super) const CASES: &[Case] = &[
         name: "conservation/angular-momentum",
         tier: Tier::Quick,
         source: "the two lever arms of a contact add up to the distance of the centres",
-        about: "8 unequal spinning spheres rub, held together by dashpots that may attract, over 1e5 steps.",
+        about: "8 unequal spinning spheres collide and rub: 1e5 steps within one impact.",
         body: angular_momentum,
     },
     Case {
@@ -149,24 +149,24 @@ fn angular_momenta(state: &State) -> ([f64; 3], f64) {
     (total, scale)
 }
 
-/// Eight spheres at the corners of a cube, pressed together, with dashpots that hold them.
+/// Eight unequal spheres at the corners of a cube, pressed together and moving inwards, spinning.
 fn cluster(dt: f64) -> Scene {
-    let interaction = PLASTIC.with_itself().friction(0.4).dashpots(4000.0, 50.0);
+    let interaction = PLASTIC.with_itself().friction(0.4).dashpots(50.0, 20.0).clamped();
     let mut scene = Scene::new(Law::GNTM, interaction, dt);
     scene.plan.ledger = false;
     for k in 0..8 {
-        let corner = [k & 1, k >> 1 & 1, k >> 2 & 1];
-        let place = corner.map(|c| 0.0096 * (2.0 * f64::from(c) - 1.0));
+        let corner = [k & 1, k >> 1 & 1, k >> 2 & 1].map(|c| 2.0 * f64::from(c) - 1.0);
         let index = k as usize;
-        let radius = 0.0099 + 2e-4 * random(5, index);
-        scene.moving(radius, PLASTIC.density, place, random_vector(6, index).map(|v| 0.01 * v));
-        scene.state.angular_velocity[index] = random_vector(7, index).map(|w| 5.0 * w);
+        let (radius, jitter) = (0.0099 + 2e-4 * random(5, index), random_vector(6, index));
+        let velocity = std::array::from_fn(|d| 0.1 * jitter[d] - 0.3 * corner[d]);
+        scene.moving(radius, PLASTIC.density, corner.map(|c| 0.0096 * c), velocity);
+        scene.state.angular_velocity[index] = random_vector(7, index).map(|w| 20.0 * w);
     }
     scene
 }
 
 fn angular_momentum(bench: &mut Bench) -> Result<(), Fault> {
-    let scene = cluster(2e-6);
+    let scene = cluster(4e-9);
     let (before, scale) = angular_momenta(&scene.state);
     let state = bench.after(&scene, 100_000)?;
     let (after, _) = angular_momenta(&state);
@@ -218,12 +218,12 @@ fn energy_elastic(bench: &mut Bench) -> Result<(), Fault> {
 
 fn ledger_closes(bench: &mut Bench) -> Result<(), Fault> {
     let (radius, speed) = (0.01, 2.0);
-    let forms = [("displacement", Friction::Displacement), ("rescaled", Friction::Rescaled)];
-    for (name, friction) in forms {
+    let forms = [("displacement", Friction::Displacement, 0.3), ("rescaled", Friction::Rescaled, 0.8)];
+    for (name, friction, dashpot) in forms {
         let law = Law { friction, ..Law::GNTM };
         let interaction = STEEL.with_itself().friction(0.3);
         let duration = Hertz::new(&interaction, 0.5 * radius, 0.5 * STEEL.sphere_mass(radius)).duration(speed);
-        let interaction = interaction.dashpots(0.3 / duration, 0.3 / duration).clamped();
+        let interaction = interaction.dashpots(dashpot / duration, dashpot / duration).clamped();
         let mut errors = Vec::new();
         for parts in [200.0, 400.0, 800.0] {
             let mut scene = Scene::new(law, interaction, duration / parts);
@@ -252,7 +252,8 @@ fn ledger_of_packing(bench: &mut Bench) -> Result<(), Fault> {
         let mut scene = Scene::new(Law::GNTM, interaction, 1e-5 / f64::from(part));
         scene.plan.gravity = [0.0, 0.0, -GRAVITY];
         cloud(&mut scene, spacing, 0.009, 0.0102, 0.5);
-        scene.plan.domain = Domain { min: [0.0, 0.0, -1.0], max: [3.0 * spacing, 3.0 * spacing, 1.0], ..scene.plan.domain };
+        scene.plan.domain =
+            Domain { min: [0.0, 0.0, -1.0], max: [3.0 * spacing, 3.0 * spacing, 1.0], ..scene.plan.domain };
         scene.plan.domain.periodic = [true, true, false];
         scene.plan.search.skin = 1e-3;
         scene.floor();

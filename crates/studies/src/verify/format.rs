@@ -136,9 +136,9 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
         text.push_str("| quantity | unit | expected | got | tolerance | what is expected | verdict |\n");
         text.push_str("|---|---|---:|---:|---|---|---|\n");
         for check in &outcome.checks {
-            let [verdict, what, expected, got, tolerance, unit, kind] = cells(check).map(|cell| cell.replace('|', "\\|"));
-            let _ =
-                writeln!(text, "| {what} | {unit} | {expected} | {got} | {tolerance} | {kind} | {verdict} |");
+            let [verdict, what, expected, got, tolerance, unit, kind] =
+                cells(check).map(|cell| cell.replace('|', "\\|"));
+            let _ = writeln!(text, "| {what} | {unit} | {expected} | {got} | {tolerance} | {kind} | {verdict} |");
         }
         if let Some(fault) = &outcome.fault {
             let _ = writeln!(text, "\nStopped: {fault}");

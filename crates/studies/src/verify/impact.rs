@@ -41,7 +41,9 @@ pub(super) const CASES: &[Case] = &[
         tier: Tier::Quick,
         source: CHUNG_OOI,
         about: "A sphere of aluminium oxide, R = 2.5 mm, hits a rigid plane at 3.9 m/s, e = 1.",
-        body: |bench| on_plane(bench, super::scene::ALUMINIUM_OXIDE, 0.0025, 3.9, [8.088_808e-6, 615.3516, 6.104_51e-6]),
+        body: |bench| {
+            on_plane(bench, super::scene::ALUMINIUM_OXIDE, 0.0025, 3.9, [8.088_808e-6, 615.3516, 6.104_51e-6])
+        },
     },
     Case {
         name: "contact/chung-ooi-3-elastic-cast-iron",
@@ -187,7 +189,12 @@ fn by_pair(bench: &mut Bench) -> Result<(), Fault> {
     let watched = watch(bench, &scene, |x| small + large - (x[1][0] - x[0][0]))?;
     judge_hertz(bench, &watched, [overlap, force, duration]);
     let rebound = speed * (mg - ms) / (mg + ms);
-    bench.judge("velocity of the glass afterwards", "m/s", watched.velocity[0], Kind::ClosedForm.relative(rebound, 1e-6));
+    bench.judge(
+        "velocity of the glass afterwards",
+        "m/s",
+        watched.velocity[0],
+        Kind::ClosedForm.relative(rebound, 1e-6),
+    );
     Ok(())
 }
 
@@ -254,7 +261,12 @@ fn independent_of_speed(bench: &mut Bench) -> Result<(), Fault> {
     let interactions = speeds.map(|_| CAST_IRON.with_rigid().restitution(0.7));
     let found = rebounds(bench, TSUJI, &interactions, &speeds, Watch { parts: 2000.0, durations: 2.0 })?;
     for (speed, found) in speeds.iter().zip(found) {
-        bench.judge(format!("rebound over impact speed at {speed} m/s"), "1", found, Kind::ClosedForm.within(0.7, 2e-5));
+        bench.judge(
+            format!("rebound over impact speed at {speed} m/s"),
+            "1",
+            found,
+            Kind::ClosedForm.within(0.7, 2e-5),
+        );
     }
     Ok(())
 }

@@ -31,7 +31,12 @@ pub(super) const CASES: &[Case] = &[
         about: "A spinning sphere falls on a larger one at rest and slides throughout.",
         body: |bench| {
             let meeting = Meeting { speed: 0.2, slip: [0.0; 2], spin: [-40.0, 0.0], radius: [0.1, 0.4] };
-            sliding(bench, DISPLACEMENT, &meeting, ALUMINIUM_ALLOY.with_itself().friction(0.4).restitution(0.5).clamped())
+            sliding(
+                bench,
+                DISPLACEMENT,
+                &meeting,
+                ALUMINIUM_ALLOY.with_itself().friction(0.4).restitution(0.5).clamped(),
+            )
         },
     },
     Case {

@@ -62,7 +62,12 @@ fn free_fall(bench: &mut Bench) -> Result<(), Fault> {
         let height = start + speed * time - 0.5 * GRAVITY * time * time;
         bench.judge(format!("height, {name}"), "m", state.position[0][2], Kind::ClosedForm.relative(height, 1e-12));
         let velocity = speed - GRAVITY * time;
-        bench.judge(format!("velocity, {name}"), "m/s", state.velocity[0][2], Kind::ClosedForm.relative(velocity, 1e-12));
+        bench.judge(
+            format!("velocity, {name}"),
+            "m/s",
+            state.velocity[0][2],
+            Kind::ClosedForm.relative(velocity, 1e-12),
+        );
     }
     Ok(())
 }

@@ -126,7 +126,8 @@ impl Scene {
     /// Several experiments in one simulation: the sphere of material `k` meets walls by the `k`-th interaction.
     pub(super) fn side_by_side(law: Law, interactions: &[Interaction<f64>], dt: f64) -> Self {
         let materials = interactions.len() + 1;
-        let table = (0..materials * materials).map(|k| interactions[(k / materials).min(k % materials).min(materials - 2)]);
+        let table =
+            (0..materials * materials).map(|k| interactions[(k / materials).min(k % materials).min(materials - 2)]);
         let plan = Plan {
             dt,
             integrator: Integrator::VelocityVerlet,

@@ -151,7 +151,12 @@ fn rotating_pair(bench: &mut Bench) -> Result<(), Fault> {
         bench.judge(format!("{parts} steps: across"), "1", found[1], Kind::Reference.within(across, 1e-6));
         bench.judge(format!("{parts} steps: out of plane"), "1", found[2], Kind::Reference.within(out, 1e-6));
         let friction: f64 = state.accounts.iter().map(|account| account[FRICTION]).sum();
-        bench.judge(format!("{parts} steps: energy lost by sliding"), "J", friction, Kind::Conservation.within(0.0, 0.0));
+        bench.judge(
+            format!("{parts} steps: energy lost by sliding"),
+            "J",
+            friction,
+            Kind::Conservation.within(0.0, 0.0),
+        );
         off.push(found[2] - 0.5);
         bench.seal(&state);
     }

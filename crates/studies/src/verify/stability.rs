@@ -155,7 +155,12 @@ fn damped_oscillator_verlet(bench: &mut Bench) -> Result<(), Fault> {
 
 fn oscillator_gear(bench: &mut Bench) -> Result<(), Fault> {
     let below = oscillator(bench, Integrator::Gear, GEAR_OSCILLATOR_LIMIT, 0.0, 20_000)?;
-    bench.judge("amplitude at the bound after 20000 steps, of the start", "1", below, Kind::Reference.within(1.0, 0.02));
+    bench.judge(
+        "amplitude at the bound after 20000 steps, of the start",
+        "1",
+        below,
+        Kind::Reference.within(1.0, 0.02),
+    );
     let above = oscillator(bench, Integrator::Gear, 0.6, 0.0, 8000)?;
     bench.judge("amplitude at w dt = 0.6 after 8000 steps, of the start", "1", above, Kind::Reference.at_least(100.0));
     Ok(())
