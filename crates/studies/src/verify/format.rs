@@ -44,7 +44,7 @@ fn tolerance(check: &Check) -> String {
 
 /// A tolerance, which has few digits.
 fn short(value: f64) -> String {
-    if (1e-3..1e3).contains(&value) { format!("{value}") } else { format!("{value:e}") }
+    if value == 0.0 || (1e-3..1e5).contains(&value) { number(value) } else { format!("{value:.0e}") }
 }
 
 fn tier(tier: Tier) -> &'static str {

@@ -161,7 +161,9 @@ fn quarter_turn(bench: &mut Bench) -> Result<(), Fault> {
     let mut turned = scene.clone();
     let state = &mut turned.state;
     for field in [&mut state.position, &mut state.velocity, &mut state.angular_velocity, &mut state.wall_position] {
-        field.iter_mut().for_each(|v| *v = turn(*v));
+        for v in field.iter_mut() {
+            *v = turn(*v);
+        }
     }
     turned.plan.gravity = turn(turned.plan.gravity);
     for wall in &mut turned.plan.walls {

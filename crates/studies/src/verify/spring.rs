@@ -37,6 +37,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
+#[derive(Clone, Copy)]
 enum Rig {
     Wall,
     Pair,
