@@ -12,7 +12,7 @@ pub(crate) trait Backend: Send {
     fn search(&mut self) -> Result<(), Fault>;
     /// Forces and moments of touching pairs.
     fn contact(&mut self) -> Result<(), Fault>;
-    /// Sums pairs in the order of ids, then walls, per particle.
+    /// Adds to each particle what others keep for it, then walls.
     fn gather(&mut self);
     /// Gravity and the work of prescribed motion.
     fn boundary(&mut self);

@@ -144,7 +144,8 @@ pub fn respond<R: Real>(
             damping::restitution(interaction.normal_damping, stiffness, mass_eff, normal_speed)
         }
     };
-    let normal_force = (elastic + viscous).max(interaction.least_normal_force).named("normal_force");
+    // In this order a force that is not a number stays one, and the fault is found.
+    let normal_force = interaction.least_normal_force.max(elastic + viscous).named("normal_force");
     let normal_loss = (elastic - normal_force) * normal_speed * step;
 
     if law.friction == Friction::Off {

@@ -57,14 +57,30 @@ pub trait Real:
     /// `value`, replaced by `then(value)` where `mask` holds: a branch for one number, both sides and a selection for
     /// several, an `if` in printed C. What `then` computes must not be used outside it.
     #[inline(always)]
-    fn when<T: Pack<Self>>(mask: Self::Mask, value: T, then: impl FnOnce(T) -> T) -> T {
-        then(value).zip(value, &mut |replaced, kept| Self::select(mask, replaced, kept))
+    fn when<T: Pack<Self>>(mask: Self::Mask, value: T, then: impl Branch<T>) -> T {
+        then.taken(value).zip(value, &mut |replaced, kept| Self::select(mask, replaced, kept))
     }
     /// The same number, remembered under a name where names exist (printed C).
     #[inline(always)]
     #[must_use]
     fn named(self, _name: &'static str) -> Self {
         self
+    }
+}
+
+/// What [`Real::when`] does where its mask holds.
+///
+/// A closure will do; a type of one's own is inlined for certain, which a long branch needs: a closure that stays a
+/// function is compiled without the instruction set of its caller.
+pub trait Branch<T> {
+    /// The new value.
+    fn taken(self, value: T) -> T;
+}
+
+impl<T, F: FnOnce(T) -> T> Branch<T> for F {
+    #[inline(always)]
+    fn taken(self, value: T) -> T {
+        self(value)
     }
 }
 

@@ -1,1 +1,35 @@
-//! x
+//! What a run of `tdem` leaves on the disk: frames for ParaView, a history for Python, checkpoints for the next run.
+//!
+//! * [`RunDirectory`] the folder of a run; `kill -9` at any moment leaves one that can be read and resumed
+//! * [`session`] runs a simulation into it
+//! * [`checkpoint`] the complete state, exact to the bit
+//! * [`glossary`] names, units and meanings of everything that is written
+//! * [`pack`] one self-contained file per block
+//! * [`info`] what a folder holds, and the state to begin another run from
+//! * [`picture`] spheres as pixels, without a GPU
+
+mod blocks;
+pub mod checkpoint;
+mod error;
+mod files;
+pub mod glossary;
+mod history;
+mod info;
+mod lock;
+mod log;
+mod pace;
+mod pack;
+pub mod picture;
+mod run_directory;
+pub mod session;
+mod vtkhdf;
+
+pub use blocks::{Contents, Precision};
+pub use checkpoint::{Damage, Damaged};
+pub use error::{Action, Error};
+pub use history::Row;
+pub use info::{CheckpointInfo, FinalState, FrameInfo, Info, info, load_final_state};
+pub use pack::pack;
+pub use run_directory::{Resumed, RunDirectory};
+pub use session::{Control, Note, Observer, Outcome, Progress, RunError, Schedule};
+pub use vtkhdf::FormatError;

@@ -43,10 +43,10 @@ pub(crate) struct Bodies {
     pub(crate) motion: Vec<Quad>,
     /// Angular velocity, rad/s; the fourth number is not used.
     pub(crate) spin: Vec<Quad>,
-    /// N.
-    pub(crate) force: Vec<[f64; 3]>,
-    /// N m; optional.
-    pub(crate) moment: Vec<[f64; 3]>,
+    /// N; the fourth number is not used.
+    pub(crate) force: Vec<Quad>,
+    /// N m; optional; the fourth number is not used.
+    pub(crate) moment: Vec<Quad>,
     pub(crate) material: Vec<u16>,
     pub(crate) constraint: Vec<u16>,
     /// Optional.
@@ -70,8 +70,12 @@ impl Bodies {
             place: quads(&state.position, &state.radius),
             motion: quads(&state.velocity, &state.mass),
             spin: state.angular_velocity.iter().map(|&v| Quad::new(v, 0.0)).collect(),
-            force: state.force.clone(),
-            moment: if plan.law.moments { state.moment.clone() } else { Vec::new() },
+            force: state.force.iter().map(|&v| Quad::new(v, 0.0)).collect(),
+            moment: if plan.law.moments {
+                state.moment.iter().map(|&v| Quad::new(v, 0.0)).collect()
+            } else {
+                Vec::new()
+            },
             material: state.material.clone(),
             constraint: state.constraint.clone(),
             image: if periodic { state.image.clone() } else { Vec::new() },
@@ -116,7 +120,7 @@ impl Bodies {
     pub(crate) fn start_derivatives(&mut self, dt: f64) {
         let half_square = 0.5 * dt * dt;
         for (i, derivatives) in self.derivatives.iter_mut().enumerate() {
-            let force: Vec3<f64> = self.force[i].into();
+            let force = self.force[i].vector();
             derivatives[0] = (force * (half_square / self.motion[i].scalar())).into();
         }
     }

@@ -1,5 +1,6 @@
 //! Stage `boundary`: gravity, and the work of prescribed motion.
 
+use super::bodies::Quad;
 use super::predict::optional;
 use super::{CHUNK, Cpu};
 use crate::energy_accounts::EXTERNAL;
@@ -22,12 +23,12 @@ impl Cpu {
             .into_par_iter()
             .for_each(|(force, motion, constraint, moment, accounts)| {
                 for i in 0..force.len() {
-                    let total = Vec3::from(force[i]) + gravity * motion[i].scalar();
-                    force[i] = total.into();
+                    let total = force[i].vector() + gravity * motion[i].scalar();
+                    force[i].set_vector(total);
                     if ledger && constraint[i] != 0 {
                         let constraint = &constraints[usize::from(constraint[i])];
-                        accounts[i][EXTERNAL] -= power(force[i], &constraint.velocity) * step;
-                        if let Some(&moment) = moment.get(i) {
+                        accounts[i][EXTERNAL] -= power(&force[i], &constraint.velocity) * step;
+                        if let Some(moment) = moment.get(i) {
                             accounts[i][EXTERNAL] -= power(moment, &constraint.angular_velocity) * step;
                         }
                     }
@@ -37,6 +38,6 @@ impl Cpu {
 }
 
 /// Power of the forces on prescribed components, W.
-fn power(force: [f64; 3], prescribed: &[Option<f64>; 3]) -> f64 {
-    (0..3).map(|k| force[k] * prescribed[k].unwrap_or(0.0)).fold(0.0, |sum, term| sum + term)
+fn power(force: &Quad, prescribed: &[Option<f64>; 3]) -> f64 {
+    (0..3).map(|k| force.0[k] * prescribed[k].unwrap_or(0.0)).fold(0.0, |sum, term| sum + term)
 }

@@ -4,17 +4,18 @@
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::search::split;
-use super::wide::{Machine, rows_widest};
+use super::wide::{Eight, rows_widest};
 use super::{CHUNK, Cpu};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
 use rayon::prelude::*;
+use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
     Damping, Encounter, Friction, Interaction, Law, Losses, Period, Response, Sphere, Touch, released_energy, respond,
     touch_spheres,
 };
-use tdem_physics::real::{Lanes, WIDTH};
-use tdem_physics::{Real, Vec3, vec3};
+use tdem_physics::real::WIDTH;
+use tdem_physics::{Vec3, vec3};
 
 /// What a contact loop reads.
 #[derive(Clone, Copy)]
@@ -42,8 +43,11 @@ pub(super) struct Rows<'a> {
     other: &'a [u32],
     touching: &'a mut [bool],
     displacement: &'a mut [[f64; 3]],
-    pull: &'a mut [[f64; 3]],
-    turn: &'a mut [[f64; 4]],
+    reaction: &'a mut [f64],
+    /// Forces on these particles, by their own rows.
+    force: &'a mut [Quad],
+    /// Moments on these particles, by their own rows.
+    moment: &'a mut [Quad],
     /// Of these particles.
     accounts: &'a mut [[f64; 4]],
     /// What the pairs of each row lost in this step: summed on its own, in the order of pairs, so that it does not
@@ -79,6 +83,11 @@ impl<const F: u8, const MOMENTS: bool, const LEDGER: bool> Variant for Compiled<
 
 /// The pair of lowest ranks that overlaps too much, if any.
 pub(super) type Crushed = Option<(u32, u32)>;
+/// Numbers per reaction.
+pub(super) fn law_stride(law: Law) -> usize {
+    if law.moments { 6 } else { 3 }
+}
+
 type Loop = fn(&Scene<'_>, &mut Rows<'_>) -> Crushed;
 
 /// The loop compiled for a law.
@@ -105,7 +114,7 @@ fn choose(law: Law, ledger: bool, lanes: bool) -> Loop {
 impl Cpu {
     /// Evaluates all listed pairs.
     pub(super) fn contact_all(&mut self) -> Result<(), Fault> {
-        let Bodies { place, motion, spin, rank, material, accounts, .. } = &mut self.bodies;
+        let Bodies { place, motion, spin, rank, material, force, moment, accounts, .. } = &mut self.bodies;
         let scene = Scene {
             place,
             motion,
@@ -127,8 +136,11 @@ impl Cpu {
         let mut tasks = Vec::with_capacity(particles.len());
         let mut touching = split(&mut list.touching, &pairs);
         let mut displacement = split(&mut list.displacement, &pairs);
-        let mut pull = split(&mut list.pull, &pairs);
-        let mut turn = split(&mut list.turn, &pairs);
+        let stride = law_stride(self.plan.law);
+        let reactions: Vec<usize> = pairs.iter().map(|&p| p * stride).collect();
+        let mut reaction = split(&mut list.reaction, &reactions);
+        let mut force = split(force, &particles);
+        let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);
         for chunk in 0..particles.len() - 1 {
             let (first, end) = (particles[chunk], particles[chunk + 1]);
@@ -138,8 +150,9 @@ impl Cpu {
                 other: &list.other[pairs[chunk]..pairs[chunk + 1]],
                 touching: touching.next().unwrap_or_default(),
                 displacement: displacement.next().unwrap_or_default(),
-                pull: pull.next().unwrap_or_default(),
-                turn: turn.next().unwrap_or_default(),
+                reaction: reaction.next().unwrap_or_default(),
+                force: force.next().unwrap_or_default(),
+                moment: moment.next().unwrap_or_default(),
                 accounts: accounts.next().unwrap_or_default(),
                 lost: Vec::new(),
             });
@@ -194,16 +207,24 @@ impl Rows<'_> {
     fn row(&self, k: usize) -> std::ops::Range<usize> {
         (self.start[k] - self.start[0]) as usize..(self.start[k + 1] - self.start[0]) as usize
     }
-    /// Keeps what a contact does.
+    /// Adds what a contact does to the row's particle, and keeps what the other will gather. Fourth numbers are unused.
     #[inline(always)]
-    fn keep<V: Variant>(&mut self, pair: usize, response: &Response<f64>, overlap: f64) {
-        self.pull[pair] = response.force.into();
-        if V::FRICTION != Friction::Off {
-            self.displacement[pair] = response.displacement.into();
+    fn keep<V: Variant>(&mut self, i: usize, pair: usize, force: [f64; 4], moments: [[f64; 4]; 2]) {
+        let mine = i - self.first;
+        for k in 0..4 {
+            self.force[mine].0[k] += force[k];
         }
         if V::MOMENTS {
-            let m = response.moment_per_arm;
-            self.turn[pair] = [m.x, m.y, m.z, overlap];
+            for k in 0..4 {
+                self.moment[mine].0[k] += moments[0][k];
+            }
+        }
+        let stride = if V::MOMENTS { 6 } else { 3 };
+        if let Some(reaction) = self.reaction.get_mut(stride * pair..stride * (pair + 1)) {
+            reaction[..3].copy_from_slice(&force[..3]);
+            if V::MOMENTS {
+                reaction[3..].copy_from_slice(&moments[1][..3]);
+            }
         }
     }
     /// Books what a pair lost; a pair that is listed twice is booked by its lower rank.
@@ -232,6 +253,8 @@ impl Rows<'_> {
         self.displacement[pair] = [0.0; 3];
     }
     fn open_books<V: Variant>(&mut self) {
+        self.force.fill(Quad::default());
+        self.moment.fill(Quad::default());
         if V::LEDGER {
             self.lost = vec![Lost::default(); self.accounts.len()];
         }
@@ -263,7 +286,12 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 let encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS);
                 let displacement = rows.displacement.get(pair).copied().unwrap_or_default().into();
                 let response = respond(law, &encounter, displacement, scene.interaction(i, j), scene.step);
-                rows.keep::<V>(pair, &response, touch.overlap);
+                let arms = [a.radius, b.radius].map(|radius| lever_arm(radius, touch.overlap));
+                let moments = arms.map(|arm| Quad::new((response.moment_per_arm * arm).into(), 0.0).0);
+                rows.keep::<V>(i, pair, Quad::new(response.force.into(), 0.0).0, moments);
+                if V::FRICTION != Friction::Off {
+                    rows.displacement[pair] = response.displacement.into();
+                }
                 rows.book::<V>(scene, i, j, &response.losses);
                 if touch.overlap > scene.overlap_limit * (a.radius + b.radius) {
                     crushed = Some(worse(crushed, scene.ranks(i, j)));
@@ -282,10 +310,14 @@ fn worse(crushed: Crushed, pair: (u32, u32)) -> (u32, u32) {
     crushed.map_or(pair, |known| known.min(pair))
 }
 
-/// Pairs eight at a time: first all listed pairs are tried, then those that touch are evaluated.
+/// Pairs eight at a time.
+///
+/// Where most listed pairs touch, groups of eight neighbours in the list are evaluated as they come, and lanes that do
+/// not touch are thrown away. Elsewhere the pairs that touch are collected first.
 #[inline(always)]
-pub(super) fn rows_lanes<V: Variant, M: Machine>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     let pairs = rows.other.len();
+    rows.open_books::<V>();
     if pairs == 0 {
         return None;
     }
@@ -293,138 +325,233 @@ pub(super) fn rows_lanes<V: Variant, M: Machine>(scene: &Scene<'_>, rows: &mut R
     for k in 0..rows.start.len() - 1 {
         owner[rows.row(k)].fill((rows.first + k) as u32);
     }
-    rows.open_books::<V>();
-    let (compact, crushed) = try_pairs::<V, M>(scene, rows, &owner);
-    let law = scene.law::<V>();
-    let alone = (scene.interactions.len() == 1).then(|| splat(&scene.interactions[0]));
-    let period = scene.period.map(|p| Period { length: p.length.map(Lanes::lit), half: p.half.map(Lanes::lit) });
-    let step = Lanes::lit(scene.step);
-    for group in compact.chunks(WIDTH) {
-        // A last, short group is filled up with its first pair.
-        let slot: [usize; WIDTH] = std::array::from_fn(|l| group[if l < group.len() { l } else { 0 }] as usize);
-        let (i, j) = (slot.map(|s| owner[s]), slot.map(|s| rows.other[s]));
-        let [xa, ya, za, ra] = M::load(scene.place, &i);
-        let [xb, yb, zb, rb] = M::load(scene.place, &j);
-        let offset = vec3(xb, yb, zb) - vec3(xa, ya, za);
-        let offset = period.as_ref().map_or(offset, |p| p.nearest(offset));
-        let touch = touch_spheres(offset, ra + rb);
-        let [ua, va, wa, ma] = M::load(scene.motion, &i);
-        let [ub, vb, wb, mb] = M::load(scene.motion, &j);
-        let mut spins = [Vec3::zero(); 2];
-        if V::MOMENTS {
-            let [pa, qa, ta, _] = M::load(scene.spin, &i);
-            let [pb, qb, tb, _] = M::load(scene.spin, &j);
-            spins = [vec3(pa, qa, ta), vec3(pb, qb, tb)];
+    let law = Eights::<R>::new::<V>(scene);
+    let touched = rows.touching.iter().map(|&t| usize::from(t)).sum::<usize>();
+    let dense = 4 * touched > 3 * pairs;
+    let mut compact = vec![0_u32; if dense { 0 } else { pairs + WIDTH }];
+    let mut count = 0;
+    let mut crushed: Crushed = None;
+    for base in (0..pairs).step_by(WIDTH) {
+        let width = WIDTH.min(pairs - base);
+        let mut slot = [base as u32; WIDTH];
+        for l in 0..width {
+            slot[l] = (base + l) as u32;
         }
-        let a = Sphere {
-            position: vec3(xa, ya, za),
-            radius: ra,
-            velocity: vec3(ua, va, wa),
-            mass: ma,
-            angular_velocity: spins[0],
-        };
-        let b = Sphere {
-            position: vec3(xb, yb, zb),
-            radius: rb,
-            velocity: vec3(ub, vb, wb),
-            mass: mb,
-            angular_velocity: spins[1],
-        };
-        let encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS);
-        let mut displacement: Vec3<Lanes> = Vec3::zero();
-        if V::FRICTION != Friction::Off {
-            for l in 0..WIDTH {
-                let [x, y, z] = rows.displacement[slot[l]];
-                (displacement.x.0[l], displacement.y.0[l], displacement.z.0[l]) = (x, y, z);
+        let group = Group::new(slot, &owner, rows.other);
+        let (touch, radii) = law.touch(scene, &group);
+        let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
+        let crushes = R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
+        if crushes != 0 {
+            for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
+                crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
             }
         }
-        let interaction = alone.unwrap_or_else(|| gather_interactions(scene, &i, &j));
-        let response = respond(law, &encounter, displacement, &interaction, step);
-        for l in 0..group.len() {
-            let lane = lane(&response, l);
-            rows.keep::<V>(slot[l], &lane, touch.overlap.0[l]);
-            rows.book::<V>(scene, i[l] as usize, j[l] as usize, &lane.losses);
+        for l in 0..width {
+            let (now, before) = (touches >> l & 1 != 0, rows.touching[base + l]);
+            if before && !now {
+                rows.part::<V>(scene, group.i[l] as usize, group.j[l] as usize, base + l);
+            }
+            rows.touching[base + l] = now;
         }
+        if dense {
+            law.evaluate::<V>(scene, rows, &group, &touch, radii, touches & (u8::MAX >> (WIDTH - width)));
+        } else {
+            for l in 0..width {
+                compact[count] = (base + l) as u32;
+                count += usize::from(touches >> l & 1);
+            }
+        }
+    }
+    for chosen in compact[..count].chunks(WIDTH) {
+        // A last, short group is filled up with its first pair.
+        let mut slot = [chosen[0]; WIDTH];
+        slot[..chosen.len()].copy_from_slice(chosen);
+        let group = Group::new(slot, &owner, rows.other);
+        let (touch, radii) = law.touch(scene, &group);
+        law.evaluate::<V>(scene, rows, &group, &touch, radii, u8::MAX >> (WIDTH - chosen.len()));
     }
     rows.close_books::<V>();
     crushed
 }
 
-/// Marks the pairs that touch and lists them; pairs that part forget.
-#[inline(always)]
-fn try_pairs<V: Variant, M: Machine>(scene: &Scene<'_>, rows: &mut Rows<'_>, owner: &[u32]) -> (Vec<u32>, Crushed) {
-    let pairs = owner.len();
-    let mut compact = vec![0_u32; pairs + WIDTH];
-    let mut count = 0;
-    let mut crushed: Crushed = None;
-    let limit = Lanes::lit(scene.overlap_limit);
-    let period = scene.period.map(|p| Period { length: p.length.map(Lanes::lit), half: p.half.map(Lanes::lit) });
-    for base in (0..pairs).step_by(WIDTH) {
-        let width = WIDTH.min(pairs - base);
-        let slot: [usize; WIDTH] = std::array::from_fn(|l| base + l.min(width - 1));
-        let (i, j) = (slot.map(|s| owner[s]), slot.map(|s| rows.other[s]));
-        let [xa, ya, za, ra] = M::load(scene.place, &i);
-        let [xb, yb, zb, rb] = M::load(scene.place, &j);
-        let offset = vec3(xb, yb, zb) - vec3(xa, ya, za);
-        let offset = period.as_ref().map_or(offset, |p| p.nearest(offset));
-        let touch = touch_spheres(offset, ra + rb);
-        let touches = touch.overlap.gt(Lanes::lit(0.0));
-        let crushes = touch.overlap.gt(limit * (ra + rb));
-        for l in 0..width {
-            let (now, before) = (touches[l] != 0, rows.touching[slot[l]]);
-            compact[count] = slot[l] as u32;
-            count += usize::from(now);
-            if before && !now {
-                rows.part::<V>(scene, i[l] as usize, j[l] as usize, slot[l]);
-            }
-            rows.touching[slot[l]] = now;
-            if crushes[l] != 0 {
-                crushed = Some(worse(crushed, scene.ranks(i[l] as usize, j[l] as usize)));
-            }
-        }
-    }
-    compact.truncate(count);
-    (compact, crushed)
+/// Eight pairs: their slots, the rows' particles and the others.
+struct Group {
+    slot: [u32; WIDTH],
+    i: [u32; WIDTH],
+    j: [u32; WIDTH],
 }
 
-fn splat(one: &Interaction<f64>) -> Interaction<Lanes> {
+impl Group {
+    #[inline(always)]
+    fn new(slot: [u32; WIDTH], owner: &[u32], other: &[u32]) -> Self {
+        let (mut i, mut j) = ([0; WIDTH], [0; WIDTH]);
+        for l in 0..WIDTH {
+            i[l] = owner[slot[l] as usize];
+            j[l] = other[slot[l] as usize];
+        }
+        Group { slot, i, j }
+    }
+}
+
+/// The law in lanes.
+struct Eights<R> {
+    law: Law,
+    period: Option<Period<R>>,
+    step: R,
+    overlap_limit: R,
+    /// The parameters, where there is one pair of materials only.
+    alone: Option<Interaction<R>>,
+}
+
+impl<R: Eight> Eights<R> {
+    #[inline(always)]
+    fn new<V: Variant>(scene: &Scene<'_>) -> Self {
+        Eights {
+            law: scene.law::<V>(),
+            period: lanes_period(scene),
+            step: R::lit(scene.step),
+            overlap_limit: R::lit(scene.overlap_limit),
+            alone: if scene.interactions.len() == 1 { Some(splat(&scene.interactions[0])) } else { None },
+        }
+    }
+
+    /// How eight pairs lie to each other, and their radii.
+    #[inline(always)]
+    fn touch(&self, scene: &Scene<'_>, group: &Group) -> (Touch<R>, [R; 2]) {
+        let [xa, ya, za, ra] = R::load(scene.place, &group.i);
+        let [xb, yb, zb, rb] = R::load(scene.place, &group.j);
+        let mut offset = vec3(xb, yb, zb) - vec3(xa, ya, za);
+        if let Some(period) = &self.period {
+            offset = period.nearest(offset);
+        }
+        (touch_spheres(offset, ra + rb), [ra, rb])
+    }
+
+    /// Evaluates the lanes of a group whose bit is set.
+    #[inline(always)]
+    fn evaluate<V: Variant>(
+        &self,
+        scene: &Scene<'_>,
+        rows: &mut Rows<'_>,
+        group: &Group,
+        touch: &Touch<R>,
+        radii: [R; 2],
+        active: u8,
+    ) {
+        let a = load_spheres::<V, R>(scene, &group.i, radii[0]);
+        let b = load_spheres::<V, R>(scene, &group.j, radii[1]);
+        let encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
+        let displacement =
+            if V::FRICTION == Friction::Off { Vec3::zero() } else { R::load_triples(rows.displacement, &group.slot) };
+        let interaction = match self.alone {
+            Some(interaction) => interaction,
+            None => gather_interactions(scene, &group.i, &group.j),
+        };
+        let response = respond(self.law, &encounter, displacement, &interaction, self.step);
+        let arms = [lever_arm(radii[0], touch.overlap), lever_arm(radii[1], touch.overlap)];
+        keep_eight::<V, R>(scene, rows, group, &response, arms, active);
+    }
+}
+
+/// Keeps what the contacts do.
+#[inline(always)]
+fn keep_eight<V: Variant, R: Eight>(
+    scene: &Scene<'_>,
+    rows: &mut Rows<'_>,
+    group: &Group,
+    response: &Response<R>,
+    arms: [R; 2],
+    active: u8,
+) {
+    let zero = R::lit(0.0);
+    let force = quads(response.force);
+    let displacement = quads(response.displacement);
+    let moments = [quads(response.moment_per_arm * arms[0]), quads(response.moment_per_arm * arms[1])];
+    for l in 0..WIDTH {
+        if active >> l & 1 == 0 {
+            continue;
+        }
+        let pair = group.slot[l] as usize;
+        rows.keep::<V>(group.i[l] as usize, pair, force[l], [moments[0][l], moments[1][l]]);
+        if V::FRICTION != Friction::Off {
+            rows.displacement[pair].copy_from_slice(&displacement[l][..3]);
+        }
+    }
+    if V::LEDGER {
+        let losses = &response.losses;
+        let losses = R::quads([losses.friction, losses.damping, losses.stiffening, zero]);
+        for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+            let [friction, damping, stiffening, _] = losses[l];
+            let losses = Losses { friction, damping, stiffening };
+            rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, &losses);
+        }
+    }
+}
+
+#[inline(always)]
+fn lanes_period<R: Eight>(scene: &Scene<'_>) -> Option<Period<R>> {
+    let p = scene.period.as_ref()?;
+    Some(Period {
+        length: vec3(R::lit(p.length.x), R::lit(p.length.y), R::lit(p.length.z)),
+        half: vec3(R::lit(p.half.x), R::lit(p.half.y), R::lit(p.half.z)),
+    })
+}
+
+// Loads and stores are functions that are always inlined, not closures: a closure that stays a function is compiled
+// without the instruction set of its caller, and every instruction in it becomes a call.
+
+/// Eight spheres without their positions.
+#[inline(always)]
+fn load_spheres<V: Variant, R: Eight>(scene: &Scene<'_>, index: &[u32; WIDTH], radius: R) -> Sphere<R> {
+    let [x, y, z, mass] = R::load(scene.motion, index);
+    let mut angular_velocity = Vec3::zero();
+    if V::MOMENTS {
+        let [x, y, z, _] = R::load(scene.spin, index);
+        angular_velocity = vec3(x, y, z);
+    }
+    Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
+}
+
+/// Eight vectors, a zero behind each.
+#[inline(always)]
+fn quads<R: Eight>(v: Vec3<R>) -> [[f64; 4]; WIDTH] {
+    R::quads([v.x, v.y, v.z, R::lit(0.0)])
+}
+
+#[inline(always)]
+fn splat<R: Eight>(one: &Interaction<f64>) -> Interaction<R> {
     Interaction {
-        normal_stiffness: Lanes::lit(one.normal_stiffness),
-        tangential_stiffness: Lanes::lit(one.tangential_stiffness),
-        normal_damping: Lanes::lit(one.normal_damping),
-        tangential_damping: Lanes::lit(one.tangential_damping),
-        static_friction: Lanes::lit(one.static_friction),
-        dynamic_friction: Lanes::lit(one.dynamic_friction),
-        least_normal_force: Lanes::lit(one.least_normal_force),
+        normal_stiffness: R::lit(one.normal_stiffness),
+        tangential_stiffness: R::lit(one.tangential_stiffness),
+        normal_damping: R::lit(one.normal_damping),
+        tangential_damping: R::lit(one.tangential_damping),
+        static_friction: R::lit(one.static_friction),
+        dynamic_friction: R::lit(one.dynamic_friction),
+        least_normal_force: R::lit(one.least_normal_force),
     }
 }
 
 /// The parameters of eight pairs of several materials.
-fn gather_interactions(scene: &Scene<'_>, i: &[u32; WIDTH], j: &[u32; WIDTH]) -> Interaction<Lanes> {
-    let of: [&Interaction<f64>; WIDTH] = std::array::from_fn(|l| scene.interaction(i[l] as usize, j[l] as usize));
-    Interaction {
-        normal_stiffness: Lanes(of.map(|p| p.normal_stiffness)),
-        tangential_stiffness: Lanes(of.map(|p| p.tangential_stiffness)),
-        normal_damping: Lanes(of.map(|p| p.normal_damping)),
-        tangential_damping: Lanes(of.map(|p| p.tangential_damping)),
-        static_friction: Lanes(of.map(|p| p.static_friction)),
-        dynamic_friction: Lanes(of.map(|p| p.dynamic_friction)),
-        least_normal_force: Lanes(of.map(|p| p.least_normal_force)),
-    }
-}
-
-/// One lane of a response.
 #[inline(always)]
-fn lane(response: &Response<Lanes>, l: usize) -> Response<f64> {
-    let vector = |v: &Vec3<Lanes>| vec3(v.x.0[l], v.y.0[l], v.z.0[l]);
-    Response {
-        force: vector(&response.force),
-        moment_per_arm: vector(&response.moment_per_arm),
-        displacement: vector(&response.displacement),
-        losses: Losses {
-            friction: response.losses.friction.0[l],
-            damping: response.losses.damping.0[l],
-            stiffening: response.losses.stiffening.0[l],
-        },
+fn gather_interactions<R: Eight>(scene: &Scene<'_>, i: &[u32; WIDTH], j: &[u32; WIDTH]) -> Interaction<R> {
+    let mut parts = [[0.0; WIDTH]; 7];
+    for l in 0..WIDTH {
+        let of = scene.interaction(i[l] as usize, j[l] as usize);
+        parts[0][l] = of.normal_stiffness;
+        parts[1][l] = of.tangential_stiffness;
+        parts[2][l] = of.normal_damping;
+        parts[3][l] = of.tangential_damping;
+        parts[4][l] = of.static_friction;
+        parts[5][l] = of.dynamic_friction;
+        parts[6][l] = of.least_normal_force;
+    }
+    Interaction {
+        normal_stiffness: R::from_array(parts[0]),
+        tangential_stiffness: R::from_array(parts[1]),
+        normal_damping: R::from_array(parts[2]),
+        tangential_damping: R::from_array(parts[3]),
+        static_friction: R::from_array(parts[4]),
+        dynamic_friction: R::from_array(parts[5]),
+        least_normal_force: R::from_array(parts[6]),
     }
 }

@@ -31,13 +31,13 @@ impl Cpu {
                     // Euler's rule for rotation under Gear is the paper's.
                     let spin_step = match integrator {
                         Integrator::VelocityVerlet => {
-                            let kicked = verlet::kick(motion[i].vector(), force[i].into(), mass, 0.5 * dt);
+                            let kicked = verlet::kick(motion[i].vector(), force[i].vector(), mass, 0.5 * dt);
                             motion[i].set_vector(prescribe(kicked, &constraint.velocity));
                             0.5 * dt
                         }
                         Integrator::Gear => {
                             let predicted = trajectory(&place[i], &motion[i], &derivatives[i]);
-                            let corrected = gear::correct(&predicted, force[i].into(), mass, dt);
+                            let corrected = gear::correct(&predicted, force[i].vector(), mass, dt);
                             let free =
                                 |corrected: Vec3<f64>, held: Vec3<f64>| hold(corrected, held, &constraint.velocity);
                             place[i].set_vector(free(corrected.position, predicted.position));
@@ -48,7 +48,7 @@ impl Cpu {
                     };
                     if moments {
                         let inertia = sphere_inertia(mass, place[i].scalar());
-                        let kicked = verlet::kick(spin[i].vector(), moment[i].into(), inertia, spin_step);
+                        let kicked = verlet::kick(spin[i].vector(), moment[i].vector(), inertia, spin_step);
                         spin[i].set_vector(prescribe(kicked, &constraint.angular_velocity));
                     }
                 }

@@ -1,4 +1,4 @@
-//! Stage `gather`: sums pairs in the order of ids, then walls, per particle.
+//! Stage `gather`: adds what other rows keep for a particle, then walls.
 
 use super::bodies::{Bodies, sphere};
 use super::neighbours::{Neighbours, WallSlot};
@@ -22,26 +22,33 @@ impl Cpu {
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
         let mut slots = split(&mut wall_slots, &wall_bounds);
-        let mut moments = split(moment, &particles);
+        let moments = self.plan.law.moments;
+        let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);
         let tasks: Vec<_> = split(force, &particles)
             .map(|force| {
                 let slots = slots.next().unwrap_or_default();
-                (force, moments.next().unwrap_or_default(), accounts.next().unwrap_or_default(), slots)
+                (force, moment.next().unwrap_or_default(), accounts.next().unwrap_or_default(), slots)
             })
             .collect();
         tasks.into_par_iter().enumerate().for_each(|(chunk, (force, moment, accounts, slots))| {
             let mut slots = slots.iter_mut().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
-                let mut sum = of_pairs(list, i, place[i].scalar());
+                let mut sum =
+                    Sum { force: force[k].vector(), moment: moment.get(k).copied().unwrap_or_default().vector() };
+                if moments {
+                    add_incoming::<6>(list, i, &mut sum);
+                } else {
+                    add_incoming::<3>(list, i, &mut sum);
+                }
                 while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
                     walls.add(&sphere, material[i], slot, accounts.get_mut(k), &mut sum);
                 }
-                force[k] = sum.force.into();
+                force[k].set_vector(sum.force);
                 if let Some(moment) = moment.get_mut(k) {
-                    *moment = sum.moment.into();
+                    moment.set_vector(sum.moment);
                 }
             }
         });
@@ -55,28 +62,19 @@ struct Sum {
     moment: Vec3<f64>,
 }
 
-/// Pairs with lower ranks, which keep them, then with higher ones.
+/// Adds the pairs that particles of lower rank keep. `STRIDE` is 6 with moments, 3 without.
 #[inline(always)]
-fn of_pairs(list: &Neighbours, i: usize, radius: f64) -> Sum {
-    let mut sum = Sum { force: Vec3::zero(), moment: Vec3::zero() };
-    let turns = !list.turn.is_empty();
-    let mut add = |pair: usize, sign: f64| {
+fn add_incoming<const STRIDE: usize>(list: &Neighbours, i: usize, sum: &mut Sum) {
+    for &pair in list.incoming(i) {
+        let pair = pair as usize;
         if list.touching[pair] {
-            let [x, y, z] = list.pull[pair];
-            sum.force = sum.force + vec3(x, y, z) * sign;
-            if turns {
-                let [x, y, z, overlap] = list.turn[pair];
-                sum.moment = sum.moment + vec3(x, y, z) * lever_arm(radius, overlap);
+            let reaction = &list.reaction[STRIDE * pair..STRIDE * (pair + 1)];
+            sum.force = sum.force - vec3(reaction[0], reaction[1], reaction[2]);
+            if STRIDE == 6 {
+                sum.moment = sum.moment + vec3(reaction[3], reaction[4], reaction[5]);
             }
         }
-    };
-    for &pair in list.incoming(i) {
-        add(pair as usize, -1.0);
     }
-    for pair in list.row(i) {
-        add(pair, 1.0);
-    }
-    sum
 }
 
 /// What contacts with walls need.

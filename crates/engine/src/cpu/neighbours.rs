@@ -4,8 +4,9 @@ use super::CHUNK;
 
 /// The neighbour list. `P` is the number of listed pairs, `N` of particles, in working order.
 ///
-/// The pairs of a particle stand in its row, in the order of the other's rank. In a half list a pair stands in the row
-/// of the lower rank only, and the other particle finds it through `incoming`.
+/// The pairs of a particle stand in its row, those with higher ranks first, each part in the order of ranks: forces are
+/// summed in this order. In a half list a pair stands in the row of the lower rank only, and the other particle finds it
+/// through `incoming`, so that the order of the sum is the same.
 #[derive(Default)]
 pub(crate) struct Neighbours {
     /// Where each row starts, `(N + 1)`.
@@ -16,10 +17,9 @@ pub(crate) struct Neighbours {
     pub(crate) touching: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
-    /// Force on the row's particle, N, `(P)`; valid where touching.
-    pub(crate) pull: Vec<[f64; 3]>,
-    /// Moment per lever arm, N, and overlap, m, `(P)`; valid where touching, empty without moments.
-    pub(crate) turn: Vec<[f64; 4]>,
+    /// What the other particle feels: force on the row's particle (it feels the opposite), N, and its own moment, N m,
+    /// `(P, 6)`, or the force alone, `(P, 3)`, without moments. Valid where touching; empty in a full list.
+    pub(crate) reaction: Vec<f64>,
     /// Where the incoming pairs of each particle start, `(N + 1)`.
     pub(crate) incoming_start: Vec<u32>,
     /// Pairs in the rows of lower ranks, in the order of those ranks; empty in a full list.
@@ -147,8 +147,7 @@ impl Neighbours {
             + size(&self.other)
             + size(&self.touching)
             + size(&self.displacement)
-            + size(&self.pull)
-            + size(&self.turn)
+            + size(&self.reaction)
             + size(&self.incoming_start)
             + size(&self.incoming)
             + size(&self.reference)

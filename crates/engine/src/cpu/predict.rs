@@ -58,15 +58,15 @@ impl Cpu {
                     let before = place[i].vector();
                     match integrator {
                         Integrator::VelocityVerlet => {
-                            verlet_particle(&mut place[i], &mut motion[i], force[i], constraint, dt);
+                            verlet_particle(&mut place[i], &mut motion[i], &force[i], constraint, dt);
                         }
                         Integrator::Gear => {
-                            gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt)
+                            gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt);
                         }
                     }
                     if moments && integrator == Integrator::VelocityVerlet {
                         let inertia = sphere_inertia(motion[i].scalar(), place[i].scalar());
-                        let kicked = verlet::kick(spin[i].vector(), moment[i].into(), inertia, 0.5 * dt);
+                        let kicked = verlet::kick(spin[i].vector(), moment[i].vector(), inertia, 0.5 * dt);
                         spin[i].set_vector(prescribe(kicked, &constraint.angular_velocity));
                     }
                     let step = place[i].vector() - before;
@@ -132,8 +132,8 @@ pub(super) fn optional<T: Send>(
 }
 
 #[inline(always)]
-fn verlet_particle(place: &mut Quad, motion: &mut Quad, force: [f64; 3], constraint: &Constraint, dt: f64) {
-    let kicked = verlet::kick(motion.vector(), force.into(), motion.scalar(), 0.5 * dt);
+fn verlet_particle(place: &mut Quad, motion: &mut Quad, force: &Quad, constraint: &Constraint, dt: f64) {
+    let kicked = verlet::kick(motion.vector(), force.vector(), motion.scalar(), 0.5 * dt);
     let velocity = prescribe(kicked, &constraint.velocity);
     motion.set_vector(velocity);
     place.set_vector(verlet::drift(place.vector(), velocity, dt));

@@ -1,6 +1,7 @@
 //! Stage `search`: lists neighbours anew and carries histories over.
 
 use super::bodies::Quad;
+use super::contact::law_stride;
 use super::grid::{Grid, class_of, morton};
 use super::neighbours::{Histories, Neighbours, WallSlot};
 use super::{CHUNK, Cpu, List};
@@ -150,7 +151,7 @@ impl Cpu {
                             }
                         });
                     }
-                    found.other[before..].sort_unstable_by_key(|&j| rank[j as usize]);
+                    found.other[before..].sort_unstable_by_key(|&j| row_order(rank[i], rank[j as usize]));
                     found.count.push((found.other.len() - before) as u32);
                 }
                 found
@@ -188,8 +189,7 @@ impl Cpu {
             other,
             touching,
             displacement,
-            pull: vec![[0.0; 3]; pairs],
-            turn: if law.moments { vec![[0.0; 4]; pairs] } else { Vec::new() },
+            reaction: if self.options.list == List::Half { vec![0.0; pairs * law_stride(law)] } else { Vec::new() },
             incoming_start,
             incoming,
             reference: bodies.place.par_iter().map(|p| p.vector().into()).collect(),
@@ -234,7 +234,14 @@ fn near(a: &Quad, b: &Quad, skin: f64, period: Option<&Period<f64>>) -> bool {
     offset.dot(offset) < reach * reach
 }
 
-/// Joins what the chunks found into rows, each in the order of ranks.
+/// Higher ranks come first, then lower ones, each in order: what a row's particle sums while contacts are evaluated
+/// comes before what it gathers from others.
+#[inline(always)]
+fn row_order(mine: u32, other: u32) -> (bool, u32) {
+    (other < mine, other)
+}
+
+/// Joins what the chunks found into rows.
 fn rows(found: &[Found], rank: &[u32]) -> (Vec<u32>, Vec<u32>) {
     let n = rank.len();
     let mut start = vec![0_u32; n + 1];
@@ -264,7 +271,7 @@ fn rows(found: &[Found], rank: &[u32]) -> (Vec<u32>, Vec<u32>) {
                 mixed = true;
             }
             if mixed {
-                all[begin..].sort_unstable_by_key(|&j| rank[j as usize]);
+                all[begin..].sort_unstable_by_key(|&j| row_order(rank[row as usize], rank[j as usize]));
             }
             row += 1;
         }

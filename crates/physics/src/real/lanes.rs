@@ -1,6 +1,6 @@
 //! Eight numbers at once, one AVX-512 register wide; on narrower machines the compiler splits them.
 
-use super::{Pack, Real};
+use super::{Branch, Pack, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Numbers per [`Lanes`].
@@ -78,7 +78,7 @@ impl Real for Lanes {
     }
     /// Skipped as a whole when no lane needs it: sliding contacts are rare in a packing at rest.
     #[inline(always)]
-    fn when<T: Pack<Self>>(mask: [u64; WIDTH], value: T, then: impl FnOnce(T) -> T) -> T {
+    fn when<T: Pack<Self>>(mask: [u64; WIDTH], value: T, then: impl Branch<T>) -> T {
         let mut any = 0;
         for lane in mask {
             any |= lane;
@@ -86,6 +86,6 @@ impl Real for Lanes {
         if any == 0 {
             return value;
         }
-        then(value).zip(value, &mut |replaced, kept| Self::select(mask, replaced, kept))
+        then.taken(value).zip(value, &mut |replaced, kept| Self::select(mask, replaced, kept))
     }
 }

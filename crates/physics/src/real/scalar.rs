@@ -1,6 +1,6 @@
 //! One number: the plain reference.
 
-use super::{Pack, Real};
+use super::{Branch, Pack, Real};
 
 impl Real for f64 {
     type Mask = bool;
@@ -26,7 +26,7 @@ impl Real for f64 {
         if mask { if_true } else { if_false }
     }
     #[inline(always)]
-    fn when<T: Pack<f64>>(mask: bool, value: T, then: impl FnOnce(T) -> T) -> T {
-        if mask { then(value) } else { value }
+    fn when<T: Pack<f64>>(mask: bool, value: T, then: impl Branch<T>) -> T {
+        if mask { then.taken(value) } else { value }
     }
 }

@@ -35,7 +35,7 @@
 mod c_text;
 mod tape;
 
-use super::{Pack, Real};
+use super::{Branch, Pack, Real};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -271,18 +271,18 @@ impl Real for Symbol {
         })
     }
     /// An `if`: what `then` replaces becomes a variable that the branch assigns.
-    fn when<T: Pack<Symbol>>(mask: SymbolMask, value: T, then: impl FnOnce(T) -> T) -> T {
+    fn when<T: Pack<Symbol>>(mask: SymbolMask, value: T, then: impl Branch<T>) -> T {
         let (condition, kind) = with_tape(|tape| {
             let id = tape.usable(mask.recording, mask.id);
             (id, tape.kind(id).clone())
         });
         match kind {
-            Kind::Truth(true) => return then(value),
+            Kind::Truth(true) => return then.taken(value),
             Kind::Truth(false) => return value,
             _ => with_tape(Tape::open_branch),
         }
         let mut variables = Vec::new();
-        let merged = then(value).zip(value, &mut |replaced, kept| {
+        let merged = then.taken(value).zip(value, &mut |replaced, kept| {
             with_tape(|tape| {
                 let (new, old) = (tape.usable(replaced.recording, replaced.id), tape.usable(kept.recording, kept.id));
                 let id = if new == old { old } else { tape.variable(&mut variables, old, new) };

@@ -24,7 +24,7 @@ fn a_law_prints_itself() {
         let contact_radius = (c.input("pair->radius_eff") * overlap).sqrt().named("contact_radius");
         let force = hertz(c.input("law.normal_stiffness"), contact_radius, overlap);
         let limit = c.input("law.limit");
-        let force = Real::when(force.gt(limit), force, |force| limit + (force - limit) / Symbol::lit(3.0));
+        let force = Real::when(force.gt(limit), force, |force: Symbol| limit + (force - limit) / Symbol::lit(3.0));
         c.output("*force", -force);
     });
     assert_eq!(
@@ -91,7 +91,7 @@ fn constants_fold_unless_they_give_nan() {
     assert_eq!(body(|_, _| lit(2.0) / lit(3.0) + lit(9.0).sqrt()), "    *out = 3.6666666666666665;\n");
     assert_eq!(body(|_, _| -lit(0.0)), "    *out = (-0.0);\n");
     assert_eq!(body(|_, _| lit(-1.0).abs().min(lit(7.0))), "    *out = 1.0;\n");
-    assert_eq!(body(|a, _| Real::when(lit(1.0).gt(lit(2.0)), a, |a| a + a)), "    *out = a;\n");
+    assert_eq!(body(|a, _| Real::when(lit(1.0).gt(lit(2.0)), a, |a: Symbol| a + a)), "    *out = a;\n");
     assert_eq!(
         body(|_, _| lit(f64::INFINITY) - lit(f64::INFINITY)),
         "    const real t1 = INFINITY - INFINITY;\n    *out = t1;\n"
@@ -169,8 +169,9 @@ fn branches_share_with_the_outside_but_not_with_each_other() {
 fn branches_nest_and_change_only_what_they_must() {
     assert_eq!(
         body(|a, b| {
-            let (first, second) =
-                Real::when(a.gt(b), (a, b), |(a, b)| (Real::when(b.gt(Symbol::lit(0.0)), a, |a| a / b), b));
+            let (first, second) = Real::when(a.gt(b), (a, b), |(a, b): (Symbol, Symbol)| {
+                (Real::when(b.gt(Symbol::lit(0.0)), a, |a: Symbol| a / b), b)
+            });
             first.max(second)
         }),
         "    const int t1 = a > b;
@@ -194,7 +195,7 @@ fn branches_nest_and_change_only_what_they_must() {
 #[test]
 fn what_nobody_uses_is_not_computed() {
     let text = body(|a, b| {
-        let _unused = Real::when(a.gt(b), a * b, |x| x / b);
+        let _unused = Real::when(a.gt(b), a * b, |x: Symbol| x / b);
         a + b
     });
     assert_eq!(text, "    const real t1 = a + b;\n    *out = t1;\n");
@@ -233,7 +234,7 @@ fn misuse_is_told() {
     let leaked = panic_of(|| {
         let _ = body(|a, b| {
             let mut inner = None;
-            let _ = Real::when(a.gt(b), a, |a| *inner.insert(a * b));
+            let _ = Real::when(a.gt(b), a, |a: Symbol| *inner.insert(a * b));
             inner.unwrap() + a
         });
     });
@@ -241,7 +242,7 @@ fn misuse_is_told() {
     let early = panic_of(|| {
         let _ = CFunction::record("void f(real a, real *p)", |c| {
             let a = c.input("a");
-            let _ = Real::when(a.gt(Symbol::lit(0.0)), a, |a| {
+            let _ = Real::when(a.gt(Symbol::lit(0.0)), a, |a: Symbol| {
                 c.output("*p", a);
                 a
             });

@@ -1,0 +1,173 @@
+//! A state in the making.
+
+use super::Context;
+use crate::problem::{Problem, counted, number};
+use crate::rng::{Stream, uniform4};
+use crate::schema::Particles;
+use std::f64::consts::PI;
+use tdem_engine::{Contact, Plan, State};
+
+/// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
+/// memory.
+pub(super) const MOST_PARTICLES: u64 = 1 << 28;
+
+/// What a source of particles gives. Empty vectors leave the rest to the group's keys.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spheres {
+    pub(super) position: Vec<[f64; 3]>,
+    pub(super) radius: Vec<f64>,
+    pub(super) velocity: Vec<[f64; 3]>,
+    pub(super) angular_velocity: Vec<[f64; 3]>,
+    pub(super) id: Vec<u32>,
+    pub(super) material: Vec<u16>,
+    /// Histories of pairs that already touch.
+    pub(super) contacts: Vec<Contact>,
+}
+
+/// A state with, for each particle, the group that it came from.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Draft {
+    pub(super) state: State,
+    pub(super) group: Vec<u16>,
+    next_id: u64,
+}
+
+impl Draft {
+    /// Adds a group: ids, masses, initial motion.
+    pub(super) fn add(
+        &mut self,
+        context: &Context<'_>,
+        index: usize,
+        group: &Particles,
+        spheres: Spheres,
+    ) -> Result<(), Problem> {
+        let count = spheres.position.len();
+        let needed = self.next_id + count as u64;
+        if needed > u64::from(u32::MAX) && spheres.id.is_empty() {
+            return Err(too_many(context, index, needed as f64));
+        }
+        let material = group.material.as_deref().map(|name| context.materials.index(name));
+        let seed = context.loaded.case.seed;
+        let state = &mut self.state;
+        state.contacts.extend(spheres.contacts);
+        for k in 0..count {
+            let id = spheres.id.get(k).copied().unwrap_or((self.next_id + k as u64) as u32);
+            let radius = spheres.radius[k];
+            let material = spheres.material.get(k).copied().or(material).unwrap_or(0);
+            let base = spheres.velocity.get(k).copied().unwrap_or([0.0; 3]);
+            let random = group.random_speed.map_or([0.0; 3], |[low, high]| {
+                random_velocity(low.get(), high.get(), uniform4(seed, Stream::Velocity, 0, id, 0))
+            });
+            let spin = spheres.angular_velocity.get(k).copied().unwrap_or([0.0; 3]);
+            state.id.push(id);
+            state.material.push(material);
+            state.constraint.push(0);
+            state.radius.push(radius);
+            state.mass.push(sphere_mass(radius, context.materials.density[usize::from(material)]));
+            state.position.push(spheres.position[k]);
+            state.velocity.push(std::array::from_fn(|d| base[d] + group.velocity[d] + random[d]));
+            state.angular_velocity.push(std::array::from_fn(|d| spin[d] + group.angular_velocity[d]));
+            self.group.push(index as u16);
+        }
+        let highest = spheres.id.iter().max().map_or(needed, |&id| u64::from(id) + 1);
+        self.next_id = self.next_id.max(highest);
+        Ok(())
+    }
+
+    /// Ids that two particles have.
+    pub(super) fn repeated_ids(&self, context: &Context<'_>) -> Option<Problem> {
+        if self.state.id.is_sorted_by(|a, b| a < b) {
+            return None;
+        }
+        let mut order: Vec<(u32, u16)> = self.state.id.iter().copied().zip(self.group.iter().copied()).collect();
+        order.sort_unstable();
+        let repeated: Vec<&[(u32, u16)]> = order.windows(2).filter(|pair| pair[0].0 == pair[1].0).collect();
+        let first = repeated.first()?;
+        Some(
+            Problem::error(
+                "tdem::case::duplicate-id",
+                format!("{} used twice, the first is {}", counted(repeated.len(), "id"), first[0].0),
+            )
+            .at(context.place(usize::from(first[1].1), &[]), "again in this group")
+            .at(context.place(usize::from(first[0].1), &[]), "first in this group")
+            .help("give other ids, or leave them out: groups without ids get the next free ones"),
+        )
+    }
+
+    /// The state, in the order of ids.
+    pub(super) fn finish(self, context: &Context<'_>, plan: &Plan) -> State {
+        let mut state = self.state;
+        let count = state.len();
+        if !state.id.is_sorted() {
+            let mut order: Vec<usize> = (0..count).collect();
+            order.sort_unstable_by_key(|&k| state.id[k]);
+            state = State {
+                id: order.iter().map(|&k| state.id[k]).collect(),
+                material: order.iter().map(|&k| state.material[k]).collect(),
+                constraint: order.iter().map(|&k| state.constraint[k]).collect(),
+                radius: order.iter().map(|&k| state.radius[k]).collect(),
+                mass: order.iter().map(|&k| state.mass[k]).collect(),
+                position: order.iter().map(|&k| state.position[k]).collect(),
+                velocity: order.iter().map(|&k| state.velocity[k]).collect(),
+                angular_velocity: order.iter().map(|&k| state.angular_velocity[k]).collect(),
+                ..state
+            };
+        }
+        state.contacts.sort_unstable_by_key(|contact| (contact.first, contact.second));
+        state.image = vec![[0; 3]; count];
+        state.force = vec![[0.0; 3]; count];
+        state.moment = vec![[0.0; 3]; count];
+        if plan.integrator == tdem_engine::Integrator::Gear {
+            state.derivatives = vec![[[0.0; 3]; 4]; count];
+        }
+        if plan.ledger {
+            state.accounts = vec![[0.0; 4]; count];
+        }
+        state.wall_position = context.planes.iter().map(|plane| plane.point).collect();
+        state
+    }
+}
+
+/// A number of particles that cannot be meant.
+pub(super) fn too_many(context: &Context<'_>, group: usize, count: f64) -> Problem {
+    Problem::error(
+        "tdem::case::too-many-particles",
+        format!("these would be {} particles; at most {MOST_PARTICLES} are possible", number(count)),
+    )
+    .at(context.place(group, &[]), "too many")
+    .help("check the radius and the extent of the region; lengths are in metres")
+}
+
+fn sphere_mass(radius: f64, density: f64) -> f64 {
+    4.0 / 3.0 * PI * (radius * radius * radius) * density
+}
+
+/// Magnitude uniform between two speeds, direction isotropic.
+fn random_velocity(low: f64, high: f64, [size, height, angle, _]: [f64; 4]) -> [f64; 3] {
+    let speed = low + size * (high - low);
+    let z = 2.0 * height - 1.0;
+    let across = (1.0 - z * z).max(0.0).sqrt();
+    let phi = 2.0 * PI * angle;
+    [speed * across * libm::cos(phi), speed * across * libm::sin(phi), speed * z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn random_velocities_are_isotropic_and_within_range() {
+        let count = 20_000;
+        let mut mean = [0.0; 3];
+        let mut speeds = 0.0;
+        for id in 0..count {
+            let v = random_velocity(0.1, 0.3, uniform4(1, Stream::Velocity, 0, id, 0));
+            let speed = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+            assert!((0.1 - 1e-12..=0.3 + 1e-12).contains(&speed));
+            speeds += speed / f64::from(count);
+            (0..3).for_each(|k| mean[k] += v[k] / f64::from(count));
+        }
+        assert!((speeds - 0.2).abs() < 2e-3, "{speeds}");
+        assert!(mean.iter().all(|m| m.abs() < 3e-3), "{mean:?}");
+    }
+}

@@ -1,0 +1,114 @@
+//! Spheres on a regular lattice.
+
+use super::Context;
+use super::draft::{MOST_PARTICLES, Spheres, too_many};
+use crate::problem::{Problem, number};
+use crate::schema::{Align, CellKind, Lattice};
+
+/// Places of the spheres in a cell, in units of the lattice constant.
+fn basis(kind: CellKind) -> &'static [[f64; 3]] {
+    match kind {
+        CellKind::Fcc => &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]],
+        CellKind::Sc => &[[0.0, 0.0, 0.0]],
+    }
+}
+
+/// Lattice constant, m: nearest neighbours are a diameter and the gap apart.
+fn constant(kind: CellKind, radius: f64, gap: f64) -> f64 {
+    let neighbour = 2.0 * radius * (1.0 + gap);
+    match kind {
+        CellKind::Fcc => std::f64::consts::SQRT_2 * neighbour,
+        CellKind::Sc => neighbour,
+    }
+}
+
+/// Distance from the first to the last centre of some cells, in lattice constants.
+fn span(kind: CellKind, cells: f64) -> f64 {
+    match kind {
+        CellKind::Fcc => cells - 0.5,
+        CellKind::Sc => cells - 1.0,
+    }
+}
+
+pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Result<Spheres, Problem> {
+    let radius = spec.radius.get();
+    let a = constant(spec.kind, radius, spec.gap);
+    let region = context.region(spec.min, spec.max);
+    let room: [f64; 3] = std::array::from_fn(|k| region.max[k] - region.min[k]);
+    // A direction that repeats and is filled from end to end holds whole cells: the last one meets the first.
+    let wraps: [bool; 3] = std::array::from_fn(|k| {
+        context.domain.periodic[k] && region.min[k] <= context.domain.min[k] && region.max[k] >= context.domain.max[k]
+    });
+    let cells: [f64; 3] = match spec.cells {
+        Some(cells) => cells.map(f64::from),
+        None => std::array::from_fn(|k| {
+            let fit = if wraps[k] { room[k] / a } else { (room[k] - 2.0 * radius) / a + (1.0 - span(spec.kind, 1.0)) };
+            (fit * (1.0 + 1e-9)).floor().max(0.0)
+        }),
+    };
+    let atoms = basis(spec.kind);
+    let count = cells.iter().product::<f64>() * atoms.len() as f64;
+    if count == 0.0 {
+        return Err(Problem::error(
+            "tdem::case::region-too-small",
+            format!(
+                "no lattice cell fits: a cell is {} m wide, the region {} x {} x {} m",
+                number(a),
+                number(room[0]),
+                number(room[1]),
+                number(room[2])
+            ),
+        )
+        .at(context.place(group, &["lattice", "radius"]), "sets the size of a cell")
+        .help("enlarge the region or take smaller spheres"));
+    }
+    if count > MOST_PARTICLES as f64 {
+        return Err(too_many(context, group, count));
+    }
+    let first: [f64; 3] = spec.origin.unwrap_or_else(|| {
+        std::array::from_fn(|k| {
+            let extent = span(spec.kind, cells[k]) * a + 2.0 * radius;
+            let free = room[k] - extent;
+            match spec.align[k] {
+                Align::Min => region.min[k] + radius,
+                Align::Center => region.min[k] + 0.5 * free + radius,
+                Align::Max => region.max[k] - (extent - radius),
+            }
+        })
+    });
+    let cells = cells.map(|c| c as usize);
+    let mut position = Vec::with_capacity(count as usize);
+    for z in 0..cells[2] {
+        for y in 0..cells[1] {
+            for x in 0..cells[0] {
+                for atom in atoms {
+                    let corner = [x as f64, y as f64, z as f64];
+                    position.push(std::array::from_fn(|k| first[k] + (corner[k] + atom[k]) * a));
+                }
+            }
+        }
+    }
+    Ok(Spheres { radius: vec![radius; position.len()], position, ..Spheres::default() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_neighbours_touch() {
+        for (kind, neighbours) in [(CellKind::Fcc, 12), (CellKind::Sc, 6)] {
+            let a = constant(kind, 0.5, 0.0);
+            let mut near = 0;
+            for cell in 0..27 {
+                let offset = [cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1].map(f64::from);
+                for atom in basis(kind) {
+                    let distance = (0..3).map(|k| (offset[k] + atom[k]) * a).map(|c| c * c).sum::<f64>().sqrt();
+                    assert!(distance == 0.0 || distance > 1.0 - 1e-12);
+                    near += usize::from((distance - 1.0).abs() < 1e-12);
+                }
+            }
+            assert_eq!(near, neighbours);
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! From a checked case to a state and a plan.
+
+mod csv;
+mod draft;
+mod lattice;
+mod motion;
+mod placement;
+mod random;
+mod run;
+
+pub use run::{NoRuns, RunLoader};
+
+use crate::limits::{Found, StepLimits};
+use crate::load::Loaded;
+use crate::materials::{Materials, law};
+use crate::problem::{Problem, Problems, unless_error};
+use crate::schedule::Schedule;
+use crate::schema::{self, Particles, Region};
+use crate::walls::{Plane, planes};
+use draft::{Draft, Spheres};
+use tdem_engine::{Domain, Integrator, Plan, Search, State};
+
+/// A case ready to run.
+#[derive(Clone, Debug)]
+pub struct Built {
+    /// Where everything is at the start.
+    pub state: State,
+    /// What stays the same during the run.
+    pub plan: Plan,
+    /// How long it runs and when it writes.
+    pub schedule: Schedule,
+    /// What limits the time step.
+    pub limits: StepLimits,
+    /// What does not stop the run but should be known.
+    pub warnings: Problems,
+    /// How much memory it takes.
+    pub memory: Memory,
+}
+
+/// An estimate of the memory that a run takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Number of particles.
+    pub particles: usize,
+    /// One copy of the state with six contacts per particle, bytes.
+    pub state_bytes: u64,
+    /// State, neighbour lists and working arrays of a run, bytes.
+    pub run_bytes: u64,
+}
+
+impl Memory {
+    fn of(state: &State, plan: &Plan) -> Self {
+        let particles = state.len();
+        let fixed = 4 + 2 + 2 + 8 + 8 + 12 + 5 * 24;
+        let optional = if state.derivatives.is_empty() { 0 } else { 96 } + if plan.ledger { 32 } else { 0 };
+        let per_particle = fixed + optional + 6 * 32;
+        // Neighbour rows, sorted copies and forces of a back end take about as much again as the state.
+        Memory {
+            particles,
+            state_bytes: (particles * per_particle) as u64,
+            run_bytes: (particles * (per_particle + 400)) as u64,
+        }
+    }
+}
+
+impl Loaded {
+    /// Builds a case that does not begin with the state of another run.
+    ///
+    /// # Errors
+    /// All problems that places, overlaps and the time step show.
+    pub fn build(&self) -> Result<Built, Problems> {
+        self.build_with(&NoRuns)
+    }
+
+    /// Builds a case; `loader` reads the final states of other runs.
+    ///
+    /// # Errors
+    /// All problems that places, overlaps and the time step show.
+    pub fn build_with(&self, loader: &dyn RunLoader) -> Result<Built, Problems> {
+        let case = &self.case;
+        let context = Context::new(self);
+        let mut problems = Vec::new();
+        let mut draft = Draft::default();
+        for (k, group) in case.particles.iter().enumerate() {
+            let placed = place(&context, loader, &draft, k, group)
+                .and_then(|spheres| draft.add(&context, k, group, spheres).map_err(|problem| vec![problem]));
+            if let Err(found) = placed {
+                problems.extend(found);
+            }
+        }
+        let stop = |problems| Err(Problems::new(&self.source, problems));
+        if !problems.is_empty() {
+            return stop(problems);
+        }
+        problems.extend(draft.repeated_ids(&context));
+        problems.extend(placement::check(&context, &mut draft));
+        let mut constraints = motion::constrain(&context, &mut draft);
+        problems.extend(motion::symmetry(&context, &mut draft, &mut constraints));
+        let found = Found::of(&context, &draft.state, &draft.group, &constraints);
+        let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
+        problems.extend(context.materials.missing(case, &self.tree, &meeting));
+        if problems.iter().any(|p| p.severity == crate::Severity::Error) {
+            return stop(problems);
+        }
+        let interactions = context.materials.interactions(case);
+        let limits = StepLimits::of(&context, &found, &meeting, &interactions);
+        problems.extend(limits.problems(self));
+        if !placement::period_is_wide_enough(&context, &found, &mut problems) {
+            return stop(problems);
+        }
+        let plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
+        let state = draft.finish(&context, &plan);
+        let schedule = Schedule::of(case, plan.dt);
+        let memory = Memory::of(&state, &plan);
+        let ((), warnings) = unless_error(&self.source, problems, ())?;
+        Ok(Built { state, plan, schedule, limits, warnings, memory })
+    }
+}
+
+/// What all builders look at.
+pub(crate) struct Context<'c> {
+    pub(crate) loaded: &'c Loaded,
+    pub(crate) materials: Materials,
+    pub(crate) planes: Vec<Plane>,
+    pub(crate) domain: Domain,
+}
+
+impl<'c> Context<'c> {
+    fn new(loaded: &'c Loaded) -> Self {
+        let materials = Materials::of(&loaded.case);
+        let planes = planes(&loaded.case, &loaded.tree, |name| materials.index(name));
+        let schema::Domain { min, max, periodic } = loaded.case.domain;
+        Context { loaded, materials, planes, domain: Domain { min, max, periodic } }
+    }
+
+    /// A region of the case, the domain's bounds where it says nothing.
+    pub(crate) fn region(&self, min: Option<[f64; 3]>, max: Option<[f64; 3]>) -> Region {
+        Region { min: min.unwrap_or(self.domain.min), max: max.unwrap_or(self.domain.max) }
+    }
+
+    /// The place of a key in a group of particles.
+    pub(crate) fn place(&self, group: usize, keys: &[&str]) -> std::ops::Range<usize> {
+        self.loaded.tree.place(&[&["particles", &group.to_string()], keys].concat())
+    }
+
+    /// The place that says how large particles of a group are.
+    pub(crate) fn radius_place(&self, group: usize) -> std::ops::Range<usize> {
+        let of = &self.loaded.case.particles[group];
+        let keys: &[&str] = if of.lattice.is_some() {
+            &["lattice", "radius"]
+        } else if of.random.is_some() {
+            &["random", "radius"]
+        } else if of.list.is_some() {
+            &["list", "radius"]
+        } else if of.csv.is_some() {
+            &["csv", "file"]
+        } else {
+            &["run", "directory"]
+        };
+        self.place(group, keys)
+    }
+
+    fn wall_materials(&self) -> Vec<bool> {
+        let mut present = vec![false; self.materials.len()];
+        self.planes.iter().for_each(|plane| present[usize::from(plane.wall.material)] = true);
+        present
+    }
+
+    fn plan(
+        &self,
+        limits: &StepLimits,
+        constraints: Vec<tdem_engine::Constraint>,
+        interactions: Vec<tdem_engine::physics::contact::Interaction<f64>>,
+        smallest_radius: f64,
+    ) -> Plan {
+        let case = &self.loaded.case;
+        Plan {
+            dt: limits.step,
+            integrator: match case.time.integrator {
+                schema::Integrator::VelocityVerlet => Integrator::VelocityVerlet,
+                schema::Integrator::Gear => Integrator::Gear,
+            },
+            law: law(case),
+            materials: self.materials.len(),
+            interactions,
+            walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
+            gravity: case.gravity,
+            constraints,
+            domain: self.domain,
+            search: Search { skin: case.search.skin.get() * smallest_radius, every_step: case.search.every_step },
+            overlap_limit: case.contact.overlap_limit.get(),
+            ledger: case.output.ledger,
+        }
+    }
+}
+
+/// The spheres of one group.
+fn place(
+    context: &Context<'_>,
+    loader: &dyn RunLoader,
+    draft: &Draft,
+    index: usize,
+    group: &Particles,
+) -> Result<Spheres, Vec<Problem>> {
+    if let Some(spec) = &group.lattice {
+        return lattice::place(context, index, spec).map_err(|problem| vec![problem]);
+    }
+    if let Some(spec) = &group.random {
+        return random::place(context, draft, index, spec).map_err(|problem| vec![problem]);
+    }
+    if let Some(spec) = &group.csv {
+        return csv::place(context, index, group, spec);
+    }
+    if let Some(spec) = &group.run {
+        return run::place(context, loader, index, group, spec).map_err(|problem| vec![problem]);
+    }
+    let (positions, radius) = group.list.as_ref().map_or((Vec::new(), 1.0), |l| (l.positions.clone(), l.radius.get()));
+    Ok(Spheres { radius: vec![radius; positions.len()], position: positions, ..Spheres::default() })
+}

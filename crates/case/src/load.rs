@@ -1,0 +1,103 @@
+//! From a file to a checked case.
+
+use crate::check;
+use crate::overrides;
+use crate::problem::{Problem, Problems, Source};
+use crate::schema::{Case, json_schema};
+use crate::structure;
+use crate::tree::Node;
+use std::path::{Path, PathBuf};
+
+/// A case that was read and makes sense as far as its text goes.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What the case says.
+    pub case: Case,
+    /// The text it says it with, preset and overrides applied.
+    pub source: Source,
+    /// The folder that files named in the case are relative to.
+    pub base_dir: PathBuf,
+    pub(crate) tree: Node,
+}
+
+/// Reads a case file. An override is a path of keys and a value, as `--set key.path=value` gives them.
+///
+/// # Errors
+/// All problems that the text shows.
+pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Loaded, Problems> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|e| {
+        let help = match e.kind() {
+            std::io::ErrorKind::NotFound => "`tdem new NAME` writes a starter case",
+            std::io::ErrorKind::InvalidData => "a case is UTF-8 text",
+            _ => "check the path and its permissions",
+        };
+        let source = Source { name: name.clone(), text: String::new() };
+        Problems::new(
+            &source,
+            vec![Problem::error("tdem::case::unreadable", format!("cannot read {name}: {e}")).help(help)],
+        )
+    })?;
+    let base_dir = path.parent().unwrap_or(Path::new("")).to_owned();
+    parse(&name, &text, &base_dir, overrides)
+}
+
+/// Reads a case from text; `name` is for messages, `base_dir` for files that the case names.
+///
+/// # Errors
+/// All problems that the text shows.
+pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[(String, String)]) -> Result<Loaded, Problems> {
+    let source_of = |text: &str| Source { name: name.to_owned(), text: text.to_owned() };
+    let effective = overrides::apply(text, overrides).map_err(|p| Problems::new(&source_of(text), p))?;
+    let source = source_of(&effective);
+    let fail = |problems| Problems::new(&source, problems);
+
+    let tree = Node::parse(&effective).map_err(fail)?;
+    let structural = structure::check(&tree, &json_schema());
+    if !structural.is_empty() {
+        return Err(fail(structural));
+    }
+    let case: Case = toml::from_str(&effective).map_err(|e| {
+        // The schema let it pass, so this is rare: a number that only the type refuses.
+        fail(vec![
+            Problem::error("tdem::case::invalid", "the case cannot be read")
+                .at(e.span().unwrap_or(0..0), e.message().to_owned()),
+        ])
+    })?;
+    let problems = check::check(&case, &tree);
+    if !problems.is_empty() {
+        return Err(fail(problems));
+    }
+    Ok(Loaded { case, source, base_dir: base_dir.to_owned(), tree })
+}
+
+impl Loaded {
+    /// The case with every default written out and files by their full paths: what a run keeps. Reading it gives the
+    /// same run, wherever it lies.
+    #[must_use]
+    pub fn effective_toml(&self) -> String {
+        let mut case = self.case.clone();
+        for group in &mut case.particles {
+            if let Some(csv) = &mut group.csv {
+                csv.file = self.absolute(&csv.file);
+            }
+            if let Some(run) = &mut group.run {
+                run.directory = self.absolute(&run.directory);
+            }
+        }
+        let size = case.size.as_ref().map_or(String::new(), |size| format!("# Preset applied: {size}\n"));
+        // All types serialise; if one did not, the text as read would still be the case.
+        let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());
+        format!("# Every default written out.\n{size}{body}")
+    }
+
+    /// Path of a file that the case names.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.base_dir.join(name)
+    }
+
+    fn absolute(&self, name: &str) -> String {
+        let path = self.file(name);
+        std::path::absolute(&path).unwrap_or(path).display().to_string()
+    }
+}

@@ -1,0 +1,449 @@
+//! What a case file may say.
+//!
+//! Every field is documented with its unit, because editors show these words: the JSON schema comes from these types.
+//! The same schema checks a file before `serde` reads it, so that all structural problems are found at once.
+
+mod particles;
+mod quantity;
+
+pub use particles::{
+    Align, CellKind, Component, Csv, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
+    SizeDistribution, SizeRange,
+};
+pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, TangentialCoefficient};
+
+use quantity::{fraction, non_negative, positive};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// A simulation case for tdem. SI units throughout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// What the case is about, in one line.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub title: String,
+    /// What a contact does: "GN" pushes, "GNT" also rubs, "GNTM" also turns.
+    pub model: Model,
+    /// Seed of all random numbers.
+    #[serde(default = "one")]
+    pub seed: u64,
+    /// Which of the presets in `sizes` applies.
+    #[serde(default, skip_serializing)]
+    pub size: Option<String>,
+    /// Presets: each may hold any part of a case, which replaces that part.
+    #[serde(default, skip_serializing)]
+    pub sizes: BTreeMap<String, Preset>,
+    /// Acceleration of gravity, m/s². Write [0.0, 0.0, 0.0] for none.
+    #[schemars(extend("x-unit" = "m/s²"))]
+    pub gravity: [f64; 3],
+    /// Step and duration.
+    pub time: Time,
+    /// Where particles may be.
+    pub domain: Domain,
+    /// Materials by name.
+    pub material: BTreeMap<String, Material>,
+    /// Choices in the contact law.
+    #[serde(default)]
+    pub contact: Contact,
+    /// What happens between two materials, one entry for each pair that can meet.
+    #[serde(default)]
+    pub interaction: Vec<Interaction>,
+    /// Plane walls.
+    #[serde(default)]
+    pub wall: Vec<Wall>,
+    /// Boxes of six plane walls facing inward.
+    #[serde(default, rename = "box")]
+    pub boxes: Vec<Container>,
+    /// Groups of particles.
+    pub particles: Vec<Particles>,
+    /// Planes of mirror symmetry through centres of particles.
+    #[serde(default)]
+    pub symmetry: Vec<Symmetry>,
+    /// How neighbours are found; changes the speed, never the result.
+    #[serde(default)]
+    pub search: Search,
+    /// What is written, and how often.
+    #[serde(default)]
+    pub output: Output,
+}
+
+const fn one() -> u64 {
+    1
+}
+
+/// A part of a case that replaces the same part of the case around it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Preset(pub toml::Table);
+
+impl JsonSchema for Preset {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "Preset".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        // What a preset holds is checked where it ends up.
+        json_schema!({ "type": "object", "additionalProperties": true })
+    }
+}
+
+/// What a contact does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Model {
+    /// Normal force only.
+    GN,
+    /// Normal and tangential force; particles do not turn.
+    GNT,
+    /// Normal and tangential force and the moments they make.
+    GNTM,
+}
+
+/// Step and duration.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// Time step, s; or "auto", the largest step that all limits allow, times `safety`.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
+    pub step: Step,
+    /// Duration of the run, s.
+    #[schemars(extend("x-unit" = "s"))]
+    pub end: Positive,
+    /// How particles move: "velocity-verlet", or "gear" (the paper's).
+    #[serde(default)]
+    pub integrator: Integrator,
+    /// Fraction of the smallest limit that "auto" takes.
+    #[serde(default = "default_safety")]
+    pub safety: Fraction,
+}
+
+const fn default_safety() -> Fraction {
+    fraction(0.8)
+}
+
+/// How particles move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// Second order, symplectic, large steps.
+    #[default]
+    VelocityVerlet,
+    /// Gear's predictor-corrector of fifth order, small steps.
+    Gear,
+}
+
+/// Where particles may be.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Domain {
+    /// Lower corner, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub min: [f64; 3],
+    /// Upper corner, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub max: [f64; 3],
+    /// Directions x, y, z in which the domain repeats. In the others a centre that leaves it stops the run.
+    #[serde(default)]
+    pub periodic: [bool; 3],
+}
+
+/// A material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Density of the solid, kg/m³.
+    #[schemars(extend("x-unit" = "kg/m³"))]
+    pub density: Positive,
+    /// Young's modulus, Pa.
+    #[schemars(extend("x-unit" = "Pa"))]
+    pub young_modulus: Positive,
+    /// Poisson's ratio.
+    pub poisson_ratio: PoissonRatio,
+}
+
+/// Choices in the contact law.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Contact {
+    /// "viscous" takes `normal_damping` of each interaction, "restitution" takes `restitution`.
+    pub damping: Damping,
+    /// "displacement" keeps the tangential displacement (the paper's), "rescaled" never creates energy.
+    pub tangential: Tangential,
+    /// Tangential stiffness over G* sqrt(R* h): 8.0 (Mindlin, no slip) or "16/3".
+    pub tangential_coefficient: TangentialCoefficient,
+    /// Whether the dashpot is kept from pulling bodies together that separate.
+    pub clamp: bool,
+    /// Overlap that stops the run, as a fraction of the mean radius of a pair.
+    pub overlap_limit: Fraction,
+}
+
+impl Default for Contact {
+    fn default() -> Self {
+        Contact {
+            damping: Damping::default(),
+            tangential: Tangential::default(),
+            tangential_coefficient: TangentialCoefficient::default(),
+            clamp: true,
+            overlap_limit: fraction(0.5),
+        }
+    }
+}
+
+/// How the normal force dissipates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Damping {
+    /// A dashpot with a coefficient in 1/s.
+    #[default]
+    Viscous,
+    /// A dashpot that gives the same restitution at every speed.
+    Restitution,
+}
+
+/// What a contact remembers of sliding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tangential {
+    /// The displacement.
+    #[default]
+    Displacement,
+    /// The force, while the contact is being loaded.
+    Rescaled,
+}
+
+/// What happens between two materials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Interaction {
+    /// The two materials; "rigid" is an infinitely stiff wall.
+    pub between: [String; 2],
+    /// Friction that must be overcome to start sliding. Needed unless the model is GN.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_friction: Option<NonNegative>,
+    /// Friction while sliding, at most the static one. Needed unless the model is GN.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_friction: Option<NonNegative>,
+    /// Normal dashpot over effective mass, 1/s. Needed with damping = "viscous".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "1/s"))]
+    pub normal_damping: Option<NonNegative>,
+    /// Tangential dashpot over effective mass, 1/s. Needed unless the model is GN.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "1/s"))]
+    pub tangential_damping: Option<NonNegative>,
+    /// Speed after over speed before an impact. Needed with damping = "restitution".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub restitution: Option<Fraction>,
+}
+
+/// An infinite plane wall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Wall {
+    /// Its name in messages and results.
+    pub name: String,
+    /// A point of the plane, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub point: [f64; 3],
+    /// Direction towards the particles; its length does not matter.
+    pub normal: [f64; 3],
+    /// Velocity, m/s.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
+    pub velocity: [f64; 3],
+    /// Its material, or "rigid".
+    pub material: String,
+}
+
+/// Six plane walls facing inward. Each is an infinite plane, so all particles are inside all boxes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Container {
+    /// Its name in messages and results.
+    #[serde(default = "default_box_name")]
+    pub name: String,
+    /// Lower corner, m; the domain's if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub min: Option<[f64; 3]>,
+    /// Upper corner, m; the domain's if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub max: Option<[f64; 3]>,
+    /// Faces to leave out: `open = ["+z"]` for an open top.
+    #[serde(default)]
+    pub open: Vec<Face>,
+    /// Velocity, m/s.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m/s"))]
+    pub velocity: [f64; 3],
+    /// Its material, or "rigid".
+    pub material: String,
+}
+
+fn default_box_name() -> String {
+    "box".to_owned()
+}
+
+/// A face of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Face {
+    /// The face of lowest x.
+    #[serde(rename = "-x")]
+    LowX,
+    /// The face of highest x.
+    #[serde(rename = "+x")]
+    HighX,
+    /// The face of lowest y.
+    #[serde(rename = "-y")]
+    LowY,
+    /// The face of highest y.
+    #[serde(rename = "+y")]
+    HighY,
+    /// The face of lowest z.
+    #[serde(rename = "-z")]
+    LowZ,
+    /// The face of highest z.
+    #[serde(rename = "+z")]
+    HighZ,
+}
+
+/// A plane of mirror symmetry.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Symmetry {
+    /// Direction of the plane's normal.
+    pub axis: Axis,
+    /// Coordinate of the plane, m. Centres of particles must lie on it.
+    #[schemars(extend("x-unit" = "m"))]
+    pub at: f64,
+}
+
+/// A direction of space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second.
+    Y,
+    /// The third.
+    Z,
+}
+
+/// How neighbours are found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Search {
+    /// Pairs are listed up to this gap, as a fraction of the smallest radius.
+    pub skin: NonNegative,
+    /// Whether to search in every step, as the paper does.
+    pub every_step: bool,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Search { skin: non_negative(0.2), every_step: false }
+    }
+}
+
+/// What is written, and how often.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    /// Number of frames after the first; 0 writes none. Give this or `interval`; without either it is 50.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<u32>,
+    /// Simulated time between frames, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub interval: Option<Positive>,
+    /// Simulated time between rows of the history, s; a thousandth of the run if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub history_interval: Option<Positive>,
+    /// Simulated time between checkpoints, s; none by simulated time if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub checkpoint_interval: Option<Positive>,
+    /// Time on the clock between checkpoints, s.
+    #[schemars(extend("x-unit" = "s"))]
+    pub checkpoint_interval_secs: Positive,
+    /// Whether frames show contacts, as lines between centres with their forces.
+    pub contacts: bool,
+    /// Precision of the numbers in frames: "single", or "double".
+    pub precision: Precision,
+    /// How hard frames are compressed, from 0 (not at all) to 9.
+    #[schemars(range(max = 9))]
+    pub compression: u32,
+    /// Whether dissipated energy is accounted for.
+    pub ledger: bool,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Output {
+            frames: None,
+            interval: None,
+            history_interval: None,
+            checkpoint_interval: None,
+            checkpoint_interval_secs: positive(300.0),
+            contacts: false,
+            precision: Precision::default(),
+            compression: 4,
+            ledger: true,
+        }
+    }
+}
+
+/// Precision of the numbers in frames. Checkpoints are always exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// 32 bits: what pictures need.
+    #[default]
+    Single,
+    /// 64 bits.
+    Double,
+}
+
+/// The JSON schema of case files, for editors.
+#[must_use]
+pub fn json_schema() -> serde_json::Value {
+    let mut schema = schemars::schema_for!(Case).to_value();
+    remove_null(&mut schema);
+    schema
+}
+
+/// TOML has no null: a key is there or not.
+fn remove_null(value: &mut serde_json::Value) {
+    use serde_json::Value;
+    if let Value::Object(map) = value {
+        if let Some(Value::Array(types)) = map.get_mut("type") {
+            types.retain(|t| t != "null");
+            if let [only] = types.as_slice() {
+                let only = only.clone();
+                map.insert("type".to_owned(), only);
+            }
+        }
+        if map.get("default") == Some(&Value::Null) {
+            map.remove("default");
+        }
+        if let Some(Value::Array(options)) = map.get_mut("anyOf") {
+            options.retain(|o| o.get("type") != Some(&"null".into()));
+            if let [Value::Object(only)] = options.as_slice() {
+                let only = only.clone();
+                map.remove("anyOf");
+                map.extend(only);
+            }
+        }
+        map.values_mut().for_each(remove_null);
+    } else if let Value::Array(items) = value {
+        items.iter_mut().for_each(remove_null);
+    }
+}

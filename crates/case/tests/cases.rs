@@ -1,0 +1,113 @@
+//! Every case of the repository loads and builds, and the paper's sizes have the paper's numbers.
+
+use std::path::{Path, PathBuf};
+use tdem_case::{Built, load};
+
+fn cases() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases")
+}
+
+fn build(file: &str, overrides: &[(&str, &str)]) -> Built {
+    let overrides: Vec<(String, String)> =
+        overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let loaded = load(&cases().join(file), &overrides).unwrap_or_else(|p| panic!("{p}"));
+    let built = loaded.build().unwrap_or_else(|p| panic!("{p}"));
+    assert!(built.state.validate(&built.plan).is_ok());
+    built
+}
+
+#[test]
+fn every_case_builds_without_warning() {
+    let mut count = 0;
+    for entry in std::fs::read_dir(cases()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            let built = build(path.file_name().unwrap().to_str().unwrap(), &[]);
+            assert!(built.warnings.problems.is_empty(), "{}", built.warnings);
+            assert!(built.schedule.steps > 100 && built.schedule.frame_every > 0);
+            count += 1;
+        }
+    }
+    assert!(count >= 5);
+}
+
+#[test]
+fn every_case_survives_being_written_out() {
+    for file in ["packing.toml", "bouncing-ball.toml", "rolling.toml", "periodic-shear.toml", "collision.toml"] {
+        let loaded = load(&cases().join(file), &[]).unwrap();
+        let written = loaded.effective_toml();
+        let again = tdem_case::parse("written", &written, Path::new("/nowhere"), &[]).unwrap_or_else(|p| panic!("{p}"));
+        assert_eq!(again.effective_toml(), written, "{file}");
+        let (first, second) = (loaded.build().unwrap(), again.build().unwrap());
+        assert_eq!(first.state.hash(), second.state.hash(), "{file}");
+        assert_eq!(first.plan, second.plan, "{file}");
+    }
+}
+
+#[test]
+fn a_preset_that_was_written_out_is_not_applied_again() {
+    let loaded = load(
+        &cases().join("packing.toml"),
+        &[("size".into(), "83k".into()), ("particles.0.lattice.cells".into(), "[3, 3, 3]".into())],
+    )
+    .unwrap();
+    let again = tdem_case::parse("written", &loaded.effective_toml(), Path::new(""), &[]).unwrap();
+    assert_eq!(again.build().unwrap().state.len(), 108);
+}
+
+#[test]
+fn the_papers_sizes_are_exact() {
+    for (size, count) in [("83k", 83_300), ("686k", 686_000), ("1.4m", 1_362_944), ("3m", 3_015_300)] {
+        let built = build("packing.toml", &[("size", size)]);
+        assert_eq!(built.state.len(), count);
+        assert_eq!(built.memory.particles, count);
+        assert_eq!(built.plan.dt, 1.5e-5);
+        assert_eq!(built.schedule.steps, 100_000);
+        assert!(built.warnings.problems.is_empty(), "{}", built.warnings);
+    }
+}
+
+#[test]
+fn the_papers_lattice_has_the_papers_contacts() {
+    let built = build("packing.toml", &[("size", "83k")]);
+    // Cells as wide as a diameter; each pair is counted from its lower index.
+    let radius = 0.02;
+    let key = |p: &[f64; 3]| p.map(|c| (c / (2.0 * radius)) as i64);
+    let mut cells = std::collections::BTreeMap::<[i64; 3], Vec<usize>>::new();
+    for (k, p) in built.state.position.iter().enumerate() {
+        cells.entry(key(p)).or_default().push(k);
+    }
+    let mut touching = 0;
+    for (k, p) in built.state.position.iter().enumerate() {
+        let at = key(p);
+        for n in 0..27 {
+            let cell = [at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1];
+            for &other in cells.get(&cell).into_iter().flatten() {
+                let q = built.state.position[other];
+                let distance = (0..3).map(|d| (p[d] - q[d]) * (p[d] - q[d])).sum::<f64>().sqrt();
+                touching += usize::from(other > k && distance < 2.0 * radius);
+            }
+        }
+    }
+    assert_eq!(touching, 480_654);
+}
+
+#[test]
+fn the_default_packing_is_what_it_says() {
+    let built = build("packing.toml", &[]);
+    assert_eq!(built.state.len(), 8000);
+    assert!(built.state.position.iter().all(|p| p[2] > 1.0));
+    let speed = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    assert!(built.state.velocity.iter().all(|v| speed(v) <= 0.1 + 1e-12));
+    assert!(built.plan.dt > 8e-5, "{}", built.plan.dt);
+    assert_eq!(built.plan.walls.len(), 6);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_and_another_seed_others() {
+    let first = build("packing.toml", &[("particles.0.random.count", "500")]);
+    let again = build("packing.toml", &[("particles.0.random.count", "500")]);
+    assert_eq!(first.state.hash(), again.state.hash());
+    let other = build("packing.toml", &[("particles.0.random.count", "500"), ("seed", "3")]);
+    assert_ne!(first.state.hash(), other.state.hash());
+}

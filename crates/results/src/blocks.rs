@@ -1,0 +1,91 @@
+//! What a frame shows: particles, walls and contacts of a state, as blocks of geometry with fields.
+
+mod contacts;
+mod particles;
+mod walls;
+
+pub(crate) use contacts::{Pair, WallSum};
+pub(crate) use particles::Start;
+
+use crate::glossary::{Entry, Kind, Place, Values};
+use crate::vtkhdf::array::Array;
+use crate::vtkhdf::block::{Block, Field};
+use tdem_engine::{Plan, State};
+
+/// What goes into frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contents {
+    /// Whether contacts are written as lines between centres.
+    pub contacts: bool,
+    /// Precision of reals.
+    pub precision: Precision,
+    /// How hard frames are compressed, 0 (not at all) to 9.
+    pub compression: u32,
+}
+
+impl Default for Contents {
+    fn default() -> Self {
+        // Of a million particles, level 4 saves 2 % more space than level 1 and takes three times as long.
+        Contents { contacts: false, precision: Precision::Single, compression: 1 }
+    }
+}
+
+/// Precision of reals in frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits: what pictures need. `displacement` is computed in 64 bits and shows strains that positions hide.
+    Single,
+    /// 64 bits.
+    Double,
+}
+
+/// A state seen under its plan, with the start it came from.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub(crate) state: &'a State,
+    pub(crate) plan: &'a Plan,
+    pub(crate) start: Option<&'a Start>,
+}
+
+impl Scene<'_> {
+    /// All blocks, in the order in which frames list them.
+    pub(crate) fn blocks(&self, contents: Contents) -> Vec<Block> {
+        let mut blocks = vec![self.particles(contents.precision), self.walls(contents.precision)];
+        if contents.contacts {
+            blocks.push(self.contacts(contents.precision));
+        }
+        blocks
+    }
+
+    /// Index of a particle that a contact names.
+    fn index_of(&self, id: u32) -> Option<usize> {
+        // As long as nothing was removed, ids are indices.
+        let guess = id as usize;
+        if self.state.id.get(guess) == Some(&id) { Some(guess) } else { self.state.index_of(id) }
+    }
+}
+
+impl Precision {
+    fn store(self, values: &[f64]) -> Array {
+        match self {
+            Precision::Single => Array::F32(values.iter().map(|&value| value as f32).collect()),
+            Precision::Double => Array::F64(values.to_vec()),
+        }
+    }
+}
+
+/// A field as the glossary says it is stored.
+fn field(entry: Entry, values: &Values, precision: Precision) -> Field {
+    let data = match (values, entry.kind) {
+        (Values::Real(values), _) => precision.store(values),
+        (Values::Integer(values), Kind::Id) => Array::I64(values.clone()),
+        (Values::Integer(values), _) => Array::I32(values.iter().map(|&value| value as i32).collect()),
+    };
+    Field { name: entry.name.into(), components: entry.components, data }
+}
+
+/// The entry that documents a field.
+pub(crate) fn entry_of(block: &str, field: &str) -> Option<Entry> {
+    let place = Place::ALL.into_iter().find(|place| place.name() == block)?;
+    place.entries().into_iter().find(|entry| entry.name == field)
+}

@@ -1,0 +1,200 @@
+//! Contacts as lines, and what they do to particles and walls.
+
+use super::{Precision, Scene, field};
+use crate::glossary::{CONTACTS, Place};
+use crate::vtkhdf::block::{Block, Cells};
+use rayon::prelude::*;
+use tdem_engine::physics::Vec3;
+use tdem_engine::physics::contact::{Encounter, Sphere, respond, touch_spheres, touch_wall};
+use tdem_engine::{Contact, WallContact};
+
+/// A contact of one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) first: i64,
+    /// -1 for a wall.
+    pub(crate) second: i64,
+    /// -1 for a particle.
+    pub(crate) wall: i64,
+    /// From the first centre to the nearest image of the second, or to the wall, m.
+    pub(crate) ends: [[f64; 3]; 2],
+    pub(crate) overlap: f64,
+    pub(crate) normal_force: f64,
+    /// On the first particle, N.
+    pub(crate) force: [f64; 3],
+    pub(crate) displacement: [f64; 3],
+}
+
+/// What all particles together do to a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct WallSum {
+    pub(crate) force: [f64; 3],
+    pub(crate) touching: i64,
+}
+
+impl Scene<'_> {
+    pub(super) fn contacts(&self, precision: Precision) -> Block {
+        let mut pairs = self.pairs();
+        pairs.extend(self.wall_pairs());
+        // Every line has its own two points: the end beyond a seam is an image, not a particle.
+        let points: Vec<f64> = pairs.iter().flat_map(|pair| pair.ends).flatten().collect();
+        Block {
+            name: Place::Contacts.name(),
+            points: precision.store(&points),
+            cells: Cells::Lines,
+            point_fields: Vec::new(),
+            cell_fields: CONTACTS.iter().map(|q| field(q.entry, &(q.values)(&pairs), precision)).collect(),
+            fixed: false,
+        }
+    }
+
+    fn sphere(&self, index: usize) -> Sphere<f64> {
+        Sphere {
+            position: self.state.position[index].into(),
+            radius: self.state.radius[index],
+            velocity: self.state.velocity[index].into(),
+            mass: self.state.mass[index],
+            angular_velocity: self.state.angular_velocity[index].into(),
+        }
+    }
+
+    fn pairs(&self) -> Vec<Pair> {
+        self.state.contacts.par_iter().filter_map(|contact| self.pair(contact)).collect()
+    }
+
+    fn pair(&self, contact: &Contact) -> Option<Pair> {
+        let (first, second) = (self.index_of(contact.first)?, self.index_of(contact.second)?);
+        let (a, b) = (self.sphere(first), self.sphere(second));
+        let touch = touch_spheres(self.plan.domain.period().nearest(b.position - a.position), a.radius + b.radius);
+        let encounter = Encounter::of_spheres(&a, &b, &touch, self.plan.law.moments);
+        let interaction = self.plan.interaction(self.state.material[first], self.state.material[second]);
+        // A step of zero length: the force as it is, without moving the history.
+        let force = respond(self.plan.law, &encounter, contact.displacement.into(), interaction, 0.0).force;
+        Some(Pair {
+            first: contact.first.into(),
+            second: contact.second.into(),
+            wall: -1,
+            ends: [array(a.position), array(a.position + touch.offset)],
+            overlap: touch.overlap,
+            normal_force: -force.dot(encounter.normal),
+            force: array(force),
+            displacement: contact.displacement,
+        })
+    }
+
+    pub(super) fn wall_pairs(&self) -> Vec<Pair> {
+        self.state.wall_contacts.iter().filter_map(|contact| self.wall_pair(contact)).collect()
+    }
+
+    fn wall_pair(&self, contact: &WallContact) -> Option<Pair> {
+        let index = self.index_of(contact.particle)?;
+        let wall = self.plan.walls.get(contact.wall as usize)?;
+        let point = *self.state.wall_position.get(contact.wall as usize)?;
+        let (sphere, normal) = (self.sphere(index), Vec3::from(wall.normal));
+        let touch = touch_wall(sphere.position, sphere.radius, point.into(), normal);
+        let encounter = Encounter::with_wall(&sphere, &touch, normal, wall.velocity.into(), self.plan.law.moments);
+        let interaction = self.plan.interaction(self.state.material[index], wall.material);
+        let force = respond(self.plan.law, &encounter, contact.displacement.into(), interaction, 0.0).force;
+        Some(Pair {
+            first: contact.particle.into(),
+            second: -1,
+            wall: contact.wall.into(),
+            ends: [array(sphere.position), array(sphere.position + touch.offset)],
+            overlap: touch.overlap,
+            normal_force: -force.dot(encounter.normal),
+            force: array(force),
+            displacement: contact.displacement,
+        })
+    }
+
+    pub(super) fn wall_sums(&self) -> Vec<WallSum> {
+        let mut sums = vec![WallSum::default(); self.plan.walls.len()];
+        for pair in self.wall_pairs() {
+            let sum = &mut sums[pair.wall as usize];
+            for k in 0..3 {
+                sum.force[k] -= pair.force[k];
+            }
+            sum.touching += 1;
+        }
+        sums
+    }
+}
+
+fn array(vector: Vec3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tdem_engine::physics::contact::{Interaction, Law};
+    use tdem_engine::{Constraint, Domain, Integrator, Ledger, Plan, Search, State, Wall};
+
+    /// Two spheres that touch across the seam in x, one of which also touches the floor.
+    fn pair_across_the_seam() -> (State, Plan) {
+        let interaction = Interaction {
+            normal_stiffness: 1e6,
+            tangential_stiffness: 1e6,
+            normal_damping: 0.0,
+            tangential_damping: 0.0,
+            static_friction: 0.5,
+            dynamic_friction: 0.5,
+            least_normal_force: 0.0,
+        };
+        let plan = Plan {
+            dt: 1e-5,
+            integrator: Integrator::VelocityVerlet,
+            law: Law::GNTM,
+            materials: 1,
+            interactions: vec![interaction],
+            walls: vec![Wall { name: "floor".into(), normal: [0.0, 0.0, 1.0], velocity: [0.0; 3], material: 0 }],
+            gravity: [0.0; 3],
+            constraints: vec![Constraint::FREE],
+            domain: Domain { min: [0.0; 3], max: [1.0; 3], periodic: [true, false, false] },
+            search: Search { skin: 0.01, every_step: false },
+            overlap_limit: 0.5,
+            ledger: false,
+        };
+        let state = State {
+            id: vec![4, 9],
+            material: vec![0; 2],
+            constraint: vec![0; 2],
+            radius: vec![0.1; 2],
+            mass: vec![1.0; 2],
+            position: vec![[0.05, 0.5, 0.098], [0.86, 0.5, 0.2]],
+            image: vec![[0; 3]; 2],
+            velocity: vec![[0.0; 3]; 2],
+            angular_velocity: vec![[0.0; 3]; 2],
+            force: vec![[0.0; 3]; 2],
+            moment: vec![[0.0; 3]; 2],
+            wall_position: vec![[0.0; 3]],
+            contacts: vec![Contact { first: 4, second: 9, displacement: [0.0; 3] }],
+            wall_contacts: vec![WallContact { particle: 4, wall: 0, displacement: [1e-4, 0.0, 0.0] }],
+            ..State::default()
+        };
+        (state, plan)
+    }
+
+    #[test]
+    fn a_contact_across_the_seam_is_a_short_line_to_the_nearest_image() {
+        let (mut state, plan) = pair_across_the_seam();
+        state.position[1][2] = 0.12;
+        let pairs = Scene { state: &state, plan: &plan, start: None }.pairs();
+        let [Pair { first: 4, second: 9, wall: -1, ends: [from, to], overlap, force, .. }] = pairs[..] else {
+            panic!("{pairs:?}")
+        };
+        assert_eq!(from, state.position[0]);
+        assert!((to[0] - (0.86 - 1.0)).abs() < 1e-12, "an image, outside the domain: {to:?}");
+        assert!(overlap > 0.0 && force[0] > 0.0, "the first is pushed away from the image: {force:?}");
+        assert!(pairs[0].normal_force > 0.0);
+    }
+
+    #[test]
+    fn the_force_on_walls_is_that_of_the_ledger() {
+        let (state, plan) = pair_across_the_seam();
+        let sums = Scene { state: &state, plan: &plan, start: None }.wall_sums();
+        assert_eq!(sums.len(), 1);
+        assert_eq!((sums[0].force, sums[0].touching), (Ledger::of(&state, &plan).wall_force, 1));
+        assert!(sums[0].force[2] < 0.0 && sums[0].force[0] != 0.0, "{:?}", sums[0].force);
+    }
+}

@@ -1,0 +1,390 @@
+//! Checkpoints: the complete state, exact to the bit, in the safetensors format.
+//!
+//! Every tensor has its XXH3 hash (128 bits, hexadecimal) in the header's metadata, and the header has its own, so
+//! that a change of any byte of the file is found. Python reads the file with `safetensors.numpy.load_file`.
+
+use crate::error::{Action, Context, Error};
+use crate::files::{atomically, remove, sync_folder, with_ending};
+use bytemuck::{Pod, cast_slice, pod_read_unaligned};
+use safetensors::{Dtype, SafeTensors};
+use serde_json::{Map, Value, json};
+use std::borrow::Cow;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tdem_engine::{Contact, State, WallContact};
+use thiserror::Error;
+use xxhash_rust::xxh3::xxh3_128;
+
+#[cfg(target_endian = "big")]
+compile_error!("checkpoints hold little-endian numbers as they are in memory");
+
+const ENDING: &str = "safetensors";
+const FORMAT: &str = "tdem-checkpoint-1";
+/// Where the header's own hash will stand, while it is computed.
+const NO_HASH: &str = "00000000000000000000000000000000";
+/// Safetensors pads its header to this.
+const ALIGNMENT: usize = 8;
+
+/// Why a checkpoint cannot be trusted.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum Damage {
+    /// The file is not in the format at all, or cut off.
+    #[error("it is cut off or not a checkpoint")]
+    Unreadable,
+    /// The header was changed.
+    #[error("its header was changed")]
+    Header,
+    /// The numbers of a tensor were changed.
+    #[error("`{tensor}` was changed")]
+    Tensor {
+        /// Its name.
+        tensor: &'static str,
+    },
+    /// A tensor is missing or has another type or shape than this version writes.
+    #[error("`{tensor}` is missing or not as this version writes it")]
+    Layout {
+        /// Its name.
+        tensor: &'static str,
+    },
+    /// The operating system cannot read it.
+    #[error("it cannot be read ({kind})")]
+    Inaccessible {
+        /// Why not.
+        kind: std::io::ErrorKind,
+    },
+}
+
+/// A checkpoint that was passed over.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("a checkpoint is damaged, {damage}: {}", path.display())]
+pub struct Damaged {
+    /// What is wrong with it.
+    pub damage: Damage,
+    /// Which it is.
+    pub path: PathBuf,
+}
+
+/// Name of the checkpoint of a step, in the folder of checkpoints.
+pub(crate) fn path_of(folder: &Path, step: u64) -> PathBuf {
+    folder.join(format!("{step:012}.{ENDING}"))
+}
+
+/// Step of a checkpoint, from its name.
+pub(crate) fn step_of(path: &Path) -> Option<u64> {
+    path.file_stem()?.to_str()?.parse().ok()
+}
+
+/// Checkpoints in a folder, ascending by step.
+pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let mut paths = with_ending(folder, ENDING)?;
+    paths.retain(|path| step_of(path).is_some());
+    paths.sort_by_key(|path| step_of(path));
+    Ok(paths)
+}
+
+/// Removes all checkpoints but the first, where the run began, and the last two.
+pub(crate) fn thin_out(folder: &Path) -> Result<(), Error> {
+    let paths = list(folder)?;
+    let Some(superfluous) = paths.get(1..paths.len().saturating_sub(2)) else { return Ok(()) };
+    superfluous.iter().try_for_each(|path| remove(path))?;
+    if superfluous.is_empty() { Ok(()) } else { sync_folder(folder) }
+}
+
+/// The newest checkpoint that is whole, and those newer ones that are not.
+pub(crate) struct Newest {
+    pub(crate) state: Option<State>,
+    pub(crate) path: Option<PathBuf>,
+    pub(crate) damaged: Vec<Damaged>,
+}
+
+/// Looks for the newest checkpoint that can be trusted.
+pub(crate) fn newest(folder: &Path) -> Result<Newest, Error> {
+    let mut damaged = Vec::new();
+    for path in list(folder)?.into_iter().rev() {
+        match read(&path) {
+            Ok(state) => return Ok(Newest { state: Some(state), path: Some(path), damaged }),
+            Err(damage) => damaged.push(Damaged { damage, path }),
+        }
+    }
+    Ok(Newest { state: None, path: None, damaged })
+}
+
+/// Writes the checkpoint of a state into a folder.
+///
+/// # Errors
+/// [`Error::DiskFull`] and [`Error::Io`]; no half-written file stays behind.
+pub fn write(folder: &Path, state: &State) -> Result<PathBuf, Error> {
+    let path = path_of(folder, state.step);
+    let tensors = tensors(state);
+    let header = header(&tensors);
+    atomically(&path, |unfinished| {
+        let put = || -> std::io::Result<()> {
+            let mut file = BufWriter::with_capacity(1 << 20, File::create(unfinished)?);
+            file.write_all(&(header.len() as u64).to_le_bytes())?;
+            file.write_all(&header)?;
+            for tensor in &tensors {
+                file.write_all(&tensor.bytes)?;
+            }
+            file.into_inner()?.sync_all()
+        };
+        put().context(Action::Write, &path)
+    })?;
+    Ok(path)
+}
+
+/// Reads a checkpoint and checks every hash.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn read(path: &Path) -> Result<State, Damage> {
+    decode(&fs::read(path).map_err(|error| Damage::Inaccessible { kind: error.kind() })?)
+}
+
+fn decode(bytes: &[u8]) -> Result<State, Damage> {
+    let (length, metadata) = SafeTensors::read_metadata(bytes).map_err(|_| Damage::Unreadable)?;
+    let hashes = metadata.metadata().as_ref().ok_or(Damage::Header)?;
+    if hashes.get("format").map(String::as_str) != Some(FORMAT) {
+        return Err(Damage::Header);
+    }
+    let header = std::str::from_utf8(&bytes[8..8 + length]).map_err(|_| Damage::Header)?;
+    let own = hashes.get("header").ok_or(Damage::Header)?;
+    if *own != hash(header.replacen(own.as_str(), NO_HASH, 1).as_bytes()) {
+        return Err(Damage::Header);
+    }
+    let tensors = SafeTensors::deserialize(bytes).map_err(|_| Damage::Unreadable)?;
+    Reader { tensors, hashes }.state()
+}
+
+fn hash(bytes: &[u8]) -> String {
+    format!("{:032x}", xxh3_128(bytes))
+}
+
+struct Tensor<'a> {
+    name: &'static str,
+    kind: &'static str,
+    shape: Vec<usize>,
+    bytes: Cow<'a, [u8]>,
+}
+
+impl<'a> Tensor<'a> {
+    fn borrowed<T: Element>(name: &'static str, values: &'a [T]) -> Self {
+        let mut shape = vec![values.len()];
+        shape.extend(T::SHAPE);
+        Tensor { name, kind: T::KIND, shape, bytes: Cow::Borrowed(cast_slice(values)) }
+    }
+    fn owned<T: Element>(name: &'static str, values: &[T]) -> Tensor<'static> {
+        let Tensor { name, kind, shape, bytes } = Tensor::borrowed(name, values);
+        Tensor { name, kind, shape, bytes: Cow::Owned(bytes.into_owned()) }
+    }
+}
+
+/// What rows of a tensor may be.
+trait Element: Pod {
+    const KIND: &'static str;
+    const DTYPE: Dtype;
+    /// Shape of one row.
+    const SHAPE: &'static [usize];
+}
+
+macro_rules! element {
+    ($($row:ty: $kind:ident $shape:expr),* $(,)?) => {$(
+        impl Element for $row {
+            const KIND: &'static str = stringify!($kind);
+            const DTYPE: Dtype = Dtype::$kind;
+            const SHAPE: &'static [usize] = &$shape;
+        }
+    )*};
+}
+element! {
+    u8: U8 [], u16: U16 [], u32: U32 [], u64: U64 [], f64: F64 [],
+    [u32; 2]: U32 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [[f64; 3]; 4]: F64 [4, 3],
+}
+
+/// All fields of a state. Wide numbers come first, so that every tensor is aligned.
+fn tensors(state: &State) -> Vec<Tensor<'_>> {
+    // No `..`: a field that is added to the state must be added here.
+    let State {
+        step,
+        forces_known,
+        initial_energy,
+        id,
+        material,
+        constraint,
+        radius,
+        mass,
+        position,
+        image,
+        velocity,
+        angular_velocity,
+        force,
+        moment,
+        derivatives,
+        accounts,
+        wall_position,
+        contacts,
+        wall_contacts,
+    } = state;
+    let pairs: Vec<[u32; 2]> = contacts.iter().map(|contact| [contact.first, contact.second]).collect();
+    let wall_pairs: Vec<[u32; 2]> = wall_contacts.iter().map(|contact| [contact.particle, contact.wall]).collect();
+    let slips: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.displacement).collect();
+    let wall_slips: Vec<[f64; 3]> = wall_contacts.iter().map(|contact| contact.displacement).collect();
+    vec![
+        Tensor::owned("step", &[*step]),
+        Tensor::owned("initial_energy", &[*initial_energy]),
+        Tensor::borrowed("radius", radius),
+        Tensor::borrowed("mass", mass),
+        Tensor::borrowed("position", position),
+        Tensor::borrowed("velocity", velocity),
+        Tensor::borrowed("angular_velocity", angular_velocity),
+        Tensor::borrowed("force", force),
+        Tensor::borrowed("moment", moment),
+        Tensor::borrowed("derivatives", derivatives),
+        Tensor::borrowed("accounts", accounts),
+        Tensor::borrowed("wall_position", wall_position),
+        Tensor::owned("contacts.displacement", &slips),
+        Tensor::owned("wall_contacts.displacement", &wall_slips),
+        Tensor::borrowed("id", id),
+        Tensor::borrowed("image", image),
+        Tensor::owned("contacts.pair", &pairs),
+        Tensor::owned("wall_contacts.pair", &wall_pairs),
+        Tensor::borrowed("material", material),
+        Tensor::borrowed("constraint", constraint),
+        Tensor::owned("forces_known", &[u8::from(*forces_known)]),
+    ]
+}
+
+/// The header of the file. The format is simple enough to be written here; the library would need all tensors
+/// before their hashes, in one buffer or in a temporary file of its own naming.
+fn header(tensors: &[Tensor<'_>]) -> Vec<u8> {
+    let mut metadata = Map::new();
+    metadata.insert("format".into(), FORMAT.into());
+    metadata.insert("header".into(), NO_HASH.into());
+    let mut entries = Map::new();
+    let mut begin = 0;
+    for tensor in tensors {
+        let end = begin + tensor.bytes.len();
+        entries.insert(
+            tensor.name.into(),
+            json!({ "dtype": tensor.kind, "shape": tensor.shape, "data_offsets": [begin, end] }),
+        );
+        metadata.insert(format!("xxh3.{}", tensor.name), hash(&tensor.bytes).into());
+        begin = end;
+    }
+    entries.insert("__metadata__".into(), Value::Object(metadata));
+    let mut text = Value::Object(entries).to_string();
+    let padded = text.len().next_multiple_of(ALIGNMENT);
+    text.extend(std::iter::repeat_n(' ', padded - text.len()));
+    // The format's own hash stands in for itself; it is the first run of zeros of this length.
+    let own = hash(text.as_bytes());
+    text.replacen(NO_HASH, &own, 1).into_bytes()
+}
+
+struct Reader<'a> {
+    tensors: SafeTensors<'a>,
+    hashes: &'a std::collections::HashMap<String, String>,
+}
+
+impl Reader<'_> {
+    fn rows<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
+        let layout = || Damage::Layout { tensor };
+        let view = self.tensors.tensor(tensor).map_err(|_| layout())?;
+        if view.dtype() != T::DTYPE || view.shape().get(1..) != Some(T::SHAPE) {
+            return Err(layout());
+        }
+        if self.hashes.get(&format!("xxh3.{tensor}")) != Some(&hash(view.data())) {
+            return Err(Damage::Tensor { tensor });
+        }
+        Ok(view.data().chunks_exact(size_of::<T>()).map(pod_read_unaligned).collect())
+    }
+    fn one<T: Element>(&self, tensor: &'static str) -> Result<T, Damage> {
+        self.rows(tensor)?.first().copied().ok_or(Damage::Layout { tensor })
+    }
+    fn contacts<C>(
+        &self,
+        pair: &'static str,
+        displacement: &'static str,
+        make: impl Fn([u32; 2], [f64; 3]) -> C,
+    ) -> Result<Vec<C>, Damage> {
+        let (pairs, displacements) = (self.rows::<[u32; 2]>(pair)?, self.rows::<[f64; 3]>(displacement)?);
+        if pairs.len() != displacements.len() {
+            return Err(Damage::Layout { tensor: pair });
+        }
+        Ok(pairs.into_iter().zip(displacements).map(|(pair, displacement)| make(pair, displacement)).collect())
+    }
+
+    fn state(&self) -> Result<State, Damage> {
+        Ok(State {
+            step: self.one("step")?,
+            forces_known: self.one::<u8>("forces_known")? != 0,
+            initial_energy: self.one("initial_energy")?,
+            id: self.rows("id")?,
+            material: self.rows("material")?,
+            constraint: self.rows("constraint")?,
+            radius: self.rows("radius")?,
+            mass: self.rows("mass")?,
+            position: self.rows("position")?,
+            image: self.rows("image")?,
+            velocity: self.rows("velocity")?,
+            angular_velocity: self.rows("angular_velocity")?,
+            force: self.rows("force")?,
+            moment: self.rows("moment")?,
+            derivatives: self.rows("derivatives")?,
+            accounts: self.rows("accounts")?,
+            wall_position: self.rows("wall_position")?,
+            contacts: self.contacts("contacts.pair", "contacts.displacement", |[first, second], displacement| {
+                Contact { first, second, displacement }
+            })?,
+            wall_contacts: self.contacts(
+                "wall_contacts.pair",
+                "wall_contacts.displacement",
+                |[particle, wall], displacement| WallContact { particle, wall, displacement },
+            )?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_of_any_byte_is_found() {
+        let state = State {
+            step: 12,
+            initial_energy: 0.25,
+            id: vec![0, 1],
+            material: vec![0, 3],
+            position: vec![[0.1, -0.0, 0.3]; 2],
+            derivatives: vec![[[1.0; 3]; 4]; 2],
+            contacts: vec![Contact { first: 0, second: 1, displacement: [1.0, 2.0, 3.0] }],
+            ..State::default()
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let good = fs::read(write(folder.path(), &state).unwrap()).unwrap();
+        assert_eq!(decode(&good), Ok(state));
+        for place in 0..good.len() {
+            // Every bit, and a space that becomes another kind of white space.
+            for change in [1, 2, 4, 8, 16, 32, 64, 128, 0x2d] {
+                let mut bad = good.clone();
+                bad[place] ^= change;
+                assert!(decode(&bad).is_err(), "byte {place} changed by {change:#x}");
+            }
+        }
+        for length in 0..good.len() {
+            assert!(decode(&good[..length]).is_err(), "cut off at {length}");
+        }
+        assert!(decode(&[good.as_slice(), b"x"].concat()).is_err(), "a byte too many");
+    }
+
+    #[test]
+    fn the_first_and_the_last_two_checkpoints_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        for step in [5, 10, 100, 1_000_000_000_000, 1_000_000_000_001] {
+            write(folder.path(), &State { step, ..State::default() }).unwrap();
+            thin_out(folder.path()).unwrap();
+        }
+        let steps: Vec<Option<u64>> = list(folder.path()).unwrap().iter().map(|path| step_of(path)).collect();
+        assert_eq!(steps, [Some(5), Some(1_000_000_000_000), Some(1_000_000_000_001)]);
+    }
+}

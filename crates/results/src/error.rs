@@ -1,0 +1,162 @@
+//! What can go wrong between a run and its files.
+
+use crate::vtkhdf::FormatError;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A file or folder of a run could not be written, read or trusted. The path stands last.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// No space is left. What was complete before is complete still.
+    #[error("the disk is full, nothing was left half-written; free some space, then resume: {}", path.display())]
+    DiskFull {
+        /// What was being written.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("cannot {action}: {source}: {}", path.display())]
+    Io {
+        /// What was tried.
+        action: Action,
+        /// Why it failed.
+        source: io::Error,
+        /// On what.
+        path: PathBuf,
+    },
+    /// An HDF5 file could not be written or understood.
+    #[error("cannot {action} as HDF5: {source}: {}", path.display())]
+    Format {
+        /// What was tried.
+        action: Action,
+        /// Why it failed.
+        source: FormatError,
+        /// On what.
+        path: PathBuf,
+    },
+    /// Another process works in the folder.
+    #[error("the run belongs to a live process{}; wait for it or stop it first: {}", process.map_or(String::new(), |id| format!(" ({id})")), path.display())]
+    Locked {
+        /// Its process id, if it left one.
+        process: Option<u32>,
+        /// The run.
+        path: PathBuf,
+    },
+    /// A new run would mix with an old one.
+    #[error("a run is there already; resume it, overwrite it, or choose another folder: {}", path.display())]
+    RunExists {
+        /// The run.
+        path: PathBuf,
+    },
+    /// A new run would mix with files that are not a run's.
+    #[error("the folder holds files that are not a run's, they are left alone; choose another folder: {}", path.display())]
+    Occupied {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// There is no run.
+    #[error("no run is there: `case.toml` is missing: {}", path.display())]
+    NotARun {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// No checkpoint can be used.
+    #[error("no checkpoint can be used ({damaged} damaged); run the case again: {}", path.display())]
+    NoCheckpoint {
+        /// How many are there but damaged.
+        damaged: usize,
+        /// The run.
+        path: PathBuf,
+    },
+    /// The run has no frames yet.
+    #[error("the run has no frames: {}", path.display())]
+    NoFrames {
+        /// The run.
+        path: PathBuf,
+    },
+    /// A history was written by another version, so that rows cannot be added to it.
+    #[error("the columns are not those of this version, so no rows can be added; run the case again: {}", path.display())]
+    HistoryColumns {
+        /// The history.
+        path: PathBuf,
+    },
+    /// A picture has no pixels, or more than can be held.
+    #[error("a picture of {width} x {height} pixels cannot be drawn; between 1 and 16384 are possible")]
+    PictureSize {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// A picture could not be compressed.
+    #[error("cannot compress a picture: {source}")]
+    Picture {
+        /// Why it failed.
+        source: io::Error,
+    },
+}
+
+/// What was tried when an error came up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Making a folder.
+    CreateFolder,
+    /// Writing a file.
+    Write,
+    /// Reading a file or listing a folder.
+    Read,
+    /// Giving a finished file its name.
+    Rename,
+    /// Removing a file or folder.
+    Remove,
+    /// Taking the lock of a run.
+    Lock,
+}
+
+impl std::fmt::Display for Action {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Action::CreateFolder => "create the folder",
+            Action::Write => "write the file",
+            Action::Read => "read it",
+            Action::Rename => "rename the finished file",
+            Action::Remove => "remove it",
+            Action::Lock => "lock the run",
+        })
+    }
+}
+
+impl Error {
+    /// An error of the operating system, a full disk told apart.
+    pub(crate) fn io(action: Action, source: io::Error, path: &Path) -> Self {
+        match source.kind() {
+            io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Error::DiskFull { path: path.into() },
+            _ => Error::Io { action, source, path: path.into() },
+        }
+    }
+
+    /// An error of the HDF5 library, the operating system's told apart.
+    pub(crate) fn format(action: Action, source: FormatError, path: &Path) -> Self {
+        match source.into_io() {
+            Ok(source) => Error::io(action, source, path),
+            Err(source) => Error::Format { action, source, path: path.into() },
+        }
+    }
+}
+
+/// Adds to an error of the operating system what was tried, and on what.
+pub(crate) trait Context<T> {
+    fn context(self, action: Action, path: &Path) -> Result<T, Error>;
+}
+
+impl<T> Context<T> for io::Result<T> {
+    fn context(self, action: Action, path: &Path) -> Result<T, Error> {
+        self.map_err(|source| Error::io(action, source, path))
+    }
+}
+
+impl<T> Context<T> for Result<T, FormatError> {
+    fn context(self, action: Action, path: &Path) -> Result<T, Error> {
+        self.map_err(|source| Error::format(action, source, path))
+    }
+}

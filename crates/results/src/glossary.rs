@@ -1,0 +1,247 @@
+//! The names, units and meanings of everything a run writes, in one table per place where it is written.
+//!
+//! Each line also says how the values are found, so that what is written and what is documented cannot part ways.
+//! Vectors have three components; in `history.csv` they take three columns, `_x`, `_y`, `_z`.
+
+use crate::blocks::{Pair, Scene, WallSum};
+use crate::history::Row;
+
+/// A quantity that is written somewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// Its name: a dataset, or a column.
+    pub name: &'static str,
+    /// SI unit; `1` for a pure number.
+    pub unit: &'static str,
+    /// What it is.
+    pub description: &'static str,
+    /// How it is stored.
+    pub kind: Kind,
+    /// 1, or 3 for a vector.
+    pub components: usize,
+}
+
+/// How a quantity is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Computed in double precision; stored in single precision in frames unless asked otherwise.
+    Real,
+    /// A small integer, 32 bits.
+    Integer,
+    /// A persistent id or a number of steps, 64 bits.
+    Id,
+}
+
+/// Where quantities are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Points of `particles.vtkhdf`.
+    Particles,
+    /// Lines of `contacts.vtkhdf`.
+    Contacts,
+    /// Polygons of `walls.vtkhdf`.
+    Walls,
+    /// Columns of `history.csv`.
+    History,
+}
+
+impl Place {
+    /// All places.
+    pub const ALL: [Place; 4] = [Place::Particles, Place::Contacts, Place::Walls, Place::History];
+
+    /// Name of the block or file, without ending.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Place::Particles => "particles",
+            Place::Contacts => "contacts",
+            Place::Walls => "walls",
+            Place::History => "history",
+        }
+    }
+
+    /// What is written there, in the order in which it is written.
+    #[must_use]
+    pub fn entries(self) -> Vec<Entry> {
+        match self {
+            Place::Particles => PARTICLES.iter().map(|quantity| quantity.entry).collect(),
+            Place::Contacts => CONTACTS.iter().map(|quantity| quantity.entry).collect(),
+            Place::Walls => WALLS.iter().map(|quantity| quantity.entry).collect(),
+            Place::History => HISTORY.iter().map(|quantity| quantity.entry).collect(),
+        }
+    }
+}
+
+impl Entry {
+    /// Column names: the name itself, or one per component.
+    pub fn columns(&self) -> impl Iterator<Item = String> + use<> {
+        let (name, components) = (self.name, self.components);
+        let suffix = |component: usize| ["_x", "_y", "_z"].get(component).copied().unwrap_or_default();
+        (0..components)
+            .map(move |component| if components > 1 { format!("{name}{}", suffix(component)) } else { name.into() })
+    }
+}
+
+/// The glossary as a table in Markdown, for the documentation of users.
+#[must_use]
+pub fn markdown() -> String {
+    let mut text = String::from("| where | name | unit | components | meaning |\n|---|---|---|---|---|\n");
+    for place in Place::ALL {
+        for entry in place.entries() {
+            let Entry { name, unit, description, components, .. } = entry;
+            let line = [place.name(), &format!("`{name}`"), unit, &components.to_string(), description].join(" | ");
+            text.extend(["| ", &line, " |\n"]);
+        }
+    }
+    text
+}
+
+/// Values of a quantity, row by row.
+pub(crate) enum Values {
+    Real(Vec<f64>),
+    Integer(Vec<i64>),
+}
+
+/// A quantity and how its values are found.
+pub(crate) struct Quantity<F> {
+    pub(crate) entry: Entry,
+    pub(crate) values: F,
+}
+
+type OfParticles = fn(&Scene<'_>) -> Values;
+type OfPairs = fn(&[Pair]) -> Values;
+type OfWalls = fn(&Scene<'_>, &[WallSum]) -> Values;
+type OfRow = fn(&Row) -> Values;
+
+const fn real<F>(name: &'static str, unit: &'static str, description: &'static str, values: F) -> Quantity<F> {
+    Quantity { entry: Entry { name, unit, description, kind: Kind::Real, components: 1 }, values }
+}
+const fn vector<F>(name: &'static str, unit: &'static str, description: &'static str, values: F) -> Quantity<F> {
+    Quantity { entry: Entry { name, unit, description, kind: Kind::Real, components: 3 }, values }
+}
+const fn integer<F>(name: &'static str, description: &'static str, values: F) -> Quantity<F> {
+    Quantity { entry: Entry { name, unit: "1", description, kind: Kind::Integer, components: 1 }, values }
+}
+const fn id<F>(name: &'static str, description: &'static str, values: F) -> Quantity<F> {
+    Quantity { entry: Entry { name, unit: "1", description, kind: Kind::Id, components: 1 }, values }
+}
+
+fn flat(vectors: &[[f64; 3]]) -> Values {
+    Values::Real(vectors.as_flattened().to_vec())
+}
+fn of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> f64) -> Values {
+    Values::Real(pairs.iter().map(value).collect())
+}
+fn vectors_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> [f64; 3]) -> Values {
+    Values::Real(pairs.iter().flat_map(value).collect())
+}
+fn ids_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> i64) -> Values {
+    Values::Integer(pairs.iter().map(value).collect())
+}
+fn one(value: f64) -> Values {
+    Values::Real(vec![value])
+}
+fn count(value: u64) -> Values {
+    Values::Integer(vec![value.cast_signed()])
+}
+
+pub(crate) static PARTICLES: &[Quantity<OfParticles>] = &[
+    id("id", "persistent id", |s| Values::Integer(s.state.id.iter().map(|&id| id.into()).collect())),
+    real("radius", "m", "radius", |s| Values::Real(s.state.radius.clone())),
+    integer("material", "index of the material", |s| {
+        Values::Integer(s.state.material.iter().map(|&material| material.into()).collect())
+    }),
+    real("mass", "kg", "mass", |s| Values::Real(s.state.mass.clone())),
+    vector("velocity", "m/s", "velocity", |s| flat(&s.state.velocity)),
+    vector("angular_velocity", "rad/s", "angular velocity", |s| flat(&s.state.angular_velocity)),
+    vector("force", "N", "resultant force, gravity included", |s| flat(&s.state.force)),
+    vector("moment", "N m", "resultant moment", |s| flat(&s.state.moment)),
+    vector(
+        "displacement",
+        "m",
+        "way from the start of the run, unfolded where the domain repeats; computed in double precision",
+        |s| Values::Real(s.displacement()),
+    ),
+    integer("coordination_number", "number of particles touched", |s| Values::Integer(s.coordination_number())),
+];
+
+pub(crate) static CONTACTS: &[Quantity<OfPairs>] = &[
+    id("first", "id of the particle where the line begins", |p| ids_of_pairs(p, |pair| pair.first)),
+    id("second", "id of the particle where the line ends, -1 for a wall", |p| ids_of_pairs(p, |pair| pair.second)),
+    integer("wall", "index of the wall where the line ends, -1 for a particle", |p| ids_of_pairs(p, |pair| pair.wall)),
+    real("overlap", "m", "overlap, positive in contact", |p| of_pairs(p, |pair| pair.overlap)),
+    real("normal_force", "N", "normal force, positive when it pushes apart", |p| of_pairs(p, |pair| pair.normal_force)),
+    vector("force", "N", "force on the first particle", |p| vectors_of_pairs(p, |pair| pair.force)),
+    vector("tangential_displacement", "m", "stored displacement of the second surface relative to the first", |p| {
+        vectors_of_pairs(p, |pair| pair.displacement)
+    }),
+];
+
+pub(crate) static WALLS: &[Quantity<OfWalls>] = &[
+    integer("wall", "index of the wall, in the order of the case", |s, _| {
+        Values::Integer((0..s.plan.walls.len() as i64).collect())
+    }),
+    integer("material", "index of the material", |s, _| {
+        Values::Integer(s.plan.walls.iter().map(|wall| wall.material.into()).collect())
+    }),
+    vector("velocity", "m/s", "velocity", |s, _| {
+        Values::Real(s.plan.walls.iter().flat_map(|wall| wall.velocity).collect())
+    }),
+    vector("force", "N", "force of all particles on the wall", |_, sums| {
+        Values::Real(sums.iter().flat_map(|sum| sum.force).collect())
+    }),
+    integer("touching", "number of particles that touch the wall", |_, sums| {
+        Values::Integer(sums.iter().map(|sum| sum.touching).collect())
+    }),
+];
+
+pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
+    id("step", "number of steps done", |r| count(r.step)),
+    real("time", "s", "time", |r| one(r.time)),
+    real("kinetic_translation", "J", "kinetic energy of translation", |r| one(r.ledger.kinetic_translation)),
+    real("kinetic_rotation", "J", "kinetic energy of rotation", |r| one(r.ledger.kinetic_rotation)),
+    real("elastic_normal", "J", "energy stored in normal springs", |r| one(r.ledger.elastic_normal)),
+    real("elastic_tangential", "J", "energy stored in tangential springs", |r| one(r.ledger.elastic_tangential)),
+    real("gravitational", "J", "potential energy of gravity", |r| one(r.ledger.gravitational)),
+    real("friction_dissipated", "J", "dissipated by sliding since the start", |r| one(r.ledger.friction_dissipated)),
+    real("damping_dissipated", "J", "dissipated by dashpots since the start", |r| one(r.ledger.damping_dissipated)),
+    real("stiffening_work", "J", "put into tangential springs by a change of their stiffness since the start", |r| {
+        one(r.ledger.stiffening_work)
+    }),
+    real("external_work", "J", "work of walls and prescribed motion since the start", |r| one(r.ledger.external_work)),
+    real("energy_error", "J", "what the ledger does not explain: present + dissipated - work - initial energy", |r| {
+        one(r.ledger.energy_error)
+    }),
+    real("unbalanced_force_ratio", "1", "mean resultant force on a particle over mean contact force", |r| {
+        one(r.ledger.unbalanced_force_ratio)
+    }),
+    id("contacts", "number of touching pairs of particles", |r| count(r.ledger.contacts)),
+    id("wall_contacts", "number of particles that touch walls, counted per wall", |r| count(r.ledger.wall_contacts)),
+    real("largest_speed", "m/s", "largest speed of a particle", |r| one(r.ledger.largest_speed)),
+    real("largest_overlap", "1", "largest overlap of a pair over its mean radius", |r| one(r.ledger.largest_overlap)),
+    vector("wall_force", "N", "force of the particles on all walls together", |r| {
+        Values::Real(r.ledger.wall_force.to_vec())
+    }),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_quantity_is_documented_once_per_place() {
+        for place in Place::ALL {
+            let entries = place.entries();
+            let names: BTreeSet<_> = entries.iter().map(|entry| entry.name).collect();
+            assert_eq!(names.len(), entries.len(), "a name is used twice in {}", place.name());
+            for Entry { name, unit, description, components, .. } in entries {
+                assert!(!unit.is_empty() && !description.is_empty(), "{name}");
+                assert!(unit.is_ascii() && description.is_ascii(), "attributes of datasets are ASCII: {name}");
+                assert!(!name.contains(['/', '.', ',', '|']), "VTK and CSV cannot hold this name: {name}");
+                assert!(components == 1 || components == 3, "{name}");
+            }
+        }
+        assert!(markdown().contains("| history | `energy_error` | J | 1 |"));
+    }
+}

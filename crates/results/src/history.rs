@@ -1,0 +1,192 @@
+//! `history.csv`: one row per recorded step, columns as the glossary says.
+
+use crate::error::{Action, Context, Error};
+use crate::files::atomically;
+use crate::glossary::{HISTORY, Place, Values};
+use std::fs::{self, File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use tdem_engine::Ledger;
+
+/// What a row shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Steps done.
+    pub step: u64,
+    /// Time, s.
+    pub time: f64,
+    /// Energies and measures.
+    pub ledger: Ledger,
+}
+
+impl Row {
+    /// The row as text, without the end of the line. Every number reads back to the same bits.
+    fn text(&self) -> String {
+        let mut cells = Vec::with_capacity(HISTORY.len());
+        for quantity in HISTORY {
+            match (quantity.values)(self) {
+                // Scientific notation prints as few digits as tell the number from its neighbours.
+                Values::Real(values) => cells.extend(values.iter().map(|value| format!("{value:e}"))),
+                Values::Integer(values) => cells.extend(values.iter().map(ToString::to_string)),
+            }
+        }
+        cells.join(",")
+    }
+}
+
+fn header() -> String {
+    let entries = Place::History.entries();
+    let columns: Vec<String> = entries.iter().flat_map(crate::glossary::Entry::columns).collect();
+    columns.join(",")
+}
+
+/// The history of a run, open at its end.
+#[derive(Debug)]
+pub(crate) struct History {
+    file: File,
+    path: PathBuf,
+    /// Bytes of complete rows.
+    length: u64,
+    last_step: Option<u64>,
+}
+
+impl History {
+    /// Begins a history, over an old one if there is one.
+    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
+        atomically(path, |unfinished| fs::write(unfinished, header() + "\n").context(Action::Write, path))?;
+        History::open(path, 0)
+    }
+
+    /// Opens a history to go on after a step: later rows and a row that was cut off are removed.
+    pub(crate) fn open(path: &Path, step: u64) -> Result<Self, Error> {
+        let mut file = OpenOptions::new().read(true).write(true).open(path).context(Action::Read, path)?;
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).context(Action::Read, path)?;
+        let mut lines = text.split_inclusive(|&byte| byte == b'\n');
+        let first = lines.next().unwrap_or_default();
+        if first != (header() + "\n").as_bytes() {
+            return Err(Error::HistoryColumns { path: path.into() });
+        }
+        let mut history = History { file, path: path.into(), length: first.len() as u64, last_step: None };
+        for line in lines {
+            let Some(found) = step_of(line).filter(|&found| found <= step && line.ends_with(b"\n")) else { break };
+            history.last_step = Some(found);
+            history.length += line.len() as u64;
+        }
+        if history.length < text.len() as u64 {
+            history.cut()?;
+            history.sync()?;
+        }
+        Ok(history)
+    }
+
+    pub(crate) fn last_step(&self) -> Option<u64> {
+        self.last_step
+    }
+
+    /// Adds a row, or nothing.
+    pub(crate) fn append(&mut self, row: &Row) -> Result<(), Error> {
+        let text = row.text() + "\n";
+        let result = self.file.seek(SeekFrom::Start(self.length)).and_then(|_| self.file.write_all(text.as_bytes()));
+        if let Err(error) = result {
+            // Part of the row may be there. The first error is the one to tell.
+            let _ = self.cut();
+            return Err(Error::io(Action::Write, error, &self.path));
+        }
+        self.length += text.len() as u64;
+        self.last_step = Some(row.step);
+        Ok(())
+    }
+
+    /// Makes all rows survive a power cut.
+    pub(crate) fn sync(&self) -> Result<(), Error> {
+        self.file.sync_all().context(Action::Write, &self.path)
+    }
+
+    fn cut(&self) -> Result<(), Error> {
+        self.file.set_len(self.length).context(Action::Write, &self.path)
+    }
+}
+
+fn step_of(line: &[u8]) -> Option<u64> {
+    std::str::from_utf8(line.split(|&byte| byte == b',').next()?).ok()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(step: u64) -> Row {
+        let ledger = Ledger {
+            kinetic_translation: 0.1 + 0.2,
+            kinetic_rotation: 5e-324,
+            elastic_normal: -0.0,
+            elastic_tangential: f64::MAX,
+            gravitational: 1.0 / 3.0,
+            friction_dissipated: 0.0,
+            damping_dissipated: 0.0,
+            stiffening_work: 0.0,
+            external_work: 0.0,
+            energy_error: -1e-17,
+            contacts: 3,
+            wall_contacts: 4,
+            largest_speed: 1.0,
+            largest_overlap: 0.0,
+            unbalanced_force_ratio: 0.0,
+            wall_force: [1.0, 2.0, 3.0],
+        };
+        Row { step, time: step as f64 * 1e-6, ledger }
+    }
+
+    #[test]
+    fn numbers_read_back_to_the_same_bits() {
+        let text = row(7).text();
+        let cells: Vec<&str> = text.split(',').collect();
+        let header = header();
+        let names: Vec<&str> = header.split(',').collect();
+        assert_eq!(cells.len(), names.len());
+        let read = |name: &str| -> f64 { cells[names.iter().position(|&n| n == name).unwrap()].parse().unwrap() };
+        assert_eq!(read("kinetic_translation").to_bits(), (0.1_f64 + 0.2).to_bits());
+        assert_eq!(read("kinetic_rotation").to_bits(), 5e-324_f64.to_bits());
+        assert_eq!(read("elastic_normal").to_bits(), (-0.0_f64).to_bits());
+        assert_eq!(read("elastic_tangential"), f64::MAX);
+        assert_eq!(read("wall_force_z"), 3.0);
+        assert_eq!(read("contacts"), 3.0);
+    }
+
+    #[test]
+    fn rows_after_the_checkpoint_and_a_torn_row_are_cut_off() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.csv");
+        let mut history = History::create(&path).unwrap();
+        (0..5).for_each(|k| history.append(&row(10 * k)).unwrap());
+        drop(history);
+        let whole = fs::read_to_string(&path).unwrap();
+        fs::write(&path, whole.clone() + "50,5e-5,0.1").unwrap();
+        assert_eq!(History::open(&path, 1000).unwrap().last_step(), Some(40));
+        assert_eq!(fs::read_to_string(&path).unwrap(), whole, "a torn row is gone");
+        let mut history = History::open(&path, 25).unwrap();
+        assert_eq!(history.last_step(), Some(20));
+        history.append(&row(30)).unwrap();
+        history.append(&row(40)).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), whole);
+    }
+
+    #[test]
+    fn other_columns_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.csv");
+        fs::write(&path, "step,time\n0,0\n").unwrap();
+        assert!(matches!(History::open(&path, 0), Err(Error::HistoryColumns { .. })));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "step,time\n0,0\n", "and left alone");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told_as_such() {
+        let file = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut history = History { file, path: "history.csv".into(), length: 0, last_step: None };
+        assert!(matches!(history.append(&row(1)), Err(Error::DiskFull { .. })));
+        assert_eq!(history.last_step(), None);
+    }
+}

@@ -1,0 +1,121 @@
+//! What a run directory holds, without changing it.
+
+use crate::checkpoint::{self, Damaged};
+use crate::error::Error;
+use crate::files::entries;
+use crate::run_directory::{CASE, CHECKPOINTS, HISTORY, stored_frames};
+use crate::vtkhdf::master::block_names;
+use std::fs;
+use std::path::{Path, PathBuf};
+use tdem_engine::State;
+
+/// What a run directory holds.
+#[derive(Debug)]
+pub struct Info {
+    /// Its frames, ascending.
+    pub frames: Vec<FrameInfo>,
+    /// Frames that cannot be read.
+    pub unreadable_frames: Vec<Error>,
+    /// Blocks that its masters show.
+    pub blocks: Vec<String>,
+    /// Its checkpoints, ascending by step.
+    pub checkpoints: Vec<CheckpointInfo>,
+    /// Number of complete rows of its history.
+    pub history_rows: usize,
+    /// Bytes of all its files.
+    pub bytes: u64,
+}
+
+/// A frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameInfo {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its step.
+    pub step: u64,
+    /// Its time, s.
+    pub time: f64,
+    /// Number of particles it shows.
+    pub particles: usize,
+}
+
+/// A checkpoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckpointInfo {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its step.
+    pub step: u64,
+    /// Number of particles, or why it cannot be used.
+    pub particles: Result<usize, checkpoint::Damage>,
+}
+
+/// Looks at a run. Every checkpoint is read and its hashes are checked.
+///
+/// # Errors
+/// [`Error::NotARun`], and whatever the file system says.
+pub fn info(run: &Path) -> Result<Info, Error> {
+    require_run(run)?;
+    let stored = stored_frames(run)?;
+    let blocks = block_names(&stored.frames);
+    let frames = stored.frames.into_iter().map(|frame| FrameInfo {
+        path: run.join(&frame.file),
+        step: frame.step,
+        time: frame.time,
+        particles: frame.blocks.iter().find(|block| block.name == "particles").map_or(0, |block| block.points),
+    });
+    let checkpoints = checkpoint::list(&run.join(CHECKPOINTS))?.into_iter().map(|path| CheckpointInfo {
+        step: checkpoint::step_of(&path).unwrap_or(0),
+        particles: checkpoint::read(&path).map(|state| state.len()),
+        path,
+    });
+    // Complete lines end with a line feed, the first is the header.
+    let history = fs::read(run.join(HISTORY)).unwrap_or_default();
+    let lines = history.split(|&byte| byte == b'\n').count() - 1;
+    Ok(Info {
+        frames: frames.collect(),
+        unreadable_frames: stored.unreadable,
+        blocks,
+        checkpoints: checkpoints.collect(),
+        history_rows: lines.saturating_sub(1),
+        bytes: bytes(run)?,
+    })
+}
+
+/// The newest state of a run that can be trusted.
+#[derive(Debug)]
+pub struct FinalState {
+    /// The state.
+    pub state: State,
+    /// The checkpoint it comes from.
+    pub path: PathBuf,
+    /// Newer checkpoints that were passed over.
+    pub damaged: Vec<Damaged>,
+}
+
+/// Loads the newest state of a run, to begin another run from it. The run itself is left alone.
+///
+/// # Errors
+/// [`Error::NotARun`]; [`Error::NoCheckpoint`] if no checkpoint is whole.
+pub fn load_final_state(run: &Path) -> Result<FinalState, Error> {
+    require_run(run)?;
+    let newest = checkpoint::newest(&run.join(CHECKPOINTS))?;
+    match (newest.state, newest.path) {
+        (Some(state), Some(path)) => Ok(FinalState { state, path, damaged: newest.damaged }),
+        _ => Err(Error::NoCheckpoint { damaged: newest.damaged.len(), path: run.into() }),
+    }
+}
+
+fn require_run(run: &Path) -> Result<(), Error> {
+    if run.join(CASE).exists() { Ok(()) } else { Err(Error::NotARun { path: run.into() }) }
+}
+
+fn bytes(folder: &Path) -> Result<u64, Error> {
+    let mut total = 0;
+    for path in entries(folder)? {
+        // A run that goes on may remove a file at any moment.
+        let Ok(metadata) = fs::symlink_metadata(&path) else { continue };
+        total += if metadata.is_dir() { bytes(&path)? } else { metadata.len() };
+    }
+    Ok(total)
+}

@@ -1,0 +1,72 @@
+//! From values to colours.
+
+use tdem_engine::State;
+
+/// What colours mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colour {
+    /// Size of the velocity.
+    Speed,
+    /// Size of the angular velocity.
+    Spin,
+    /// Third coordinate.
+    Height,
+    /// Radius.
+    Radius,
+    /// Size of the resultant force.
+    Force,
+    /// Index of the material.
+    Material,
+}
+
+/// A value between the two ends of the colours, 0 to 1.
+pub type Shade = f32;
+
+impl Colour {
+    /// The values themselves, `(N)`, SI.
+    #[must_use]
+    pub fn values(self, state: &State) -> Vec<f64> {
+        let sizes = |vectors: &[[f64; 3]]| vectors.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
+        match self {
+            Colour::Speed => sizes(&state.velocity),
+            Colour::Spin => sizes(&state.angular_velocity),
+            Colour::Force => sizes(&state.force),
+            Colour::Height => state.position.iter().map(|position| position[2]).collect(),
+            Colour::Radius => state.radius.clone(),
+            Colour::Material => state.material.iter().map(|&material| material.into()).collect(),
+        }
+    }
+
+    /// Values as shares of a range, of their own if none is given.
+    #[must_use]
+    pub fn shades(self, state: &State, range: Option<[f64; 2]>) -> Vec<Shade> {
+        let values = self.values(state);
+        let [low, high] = range.unwrap_or_else(|| {
+            let finite = || values.iter().copied().filter(|value| value.is_finite());
+            [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)]
+        });
+        let span = if high > low { high - low } else { 1.0 };
+        values.iter().map(|value| (((value - low) / span) as Shade).clamp(0.0, 1.0)).collect()
+    }
+}
+
+/// Dark blue, teal, green, yellow: ascending in brightness, so that it also reads in grey and for the colour-blind.
+const STOPS: [[f32; 3]; 6] = [
+    [0.27, 0.11, 0.43],
+    [0.23, 0.32, 0.55],
+    [0.13, 0.53, 0.55],
+    [0.24, 0.71, 0.45],
+    [0.66, 0.86, 0.20],
+    [0.99, 0.90, 0.14],
+];
+
+/// The colour of a shade; red, green and blue between 0 and 1. What is not a number is grey.
+pub(super) fn colour_of(shade: Shade) -> [f32; 3] {
+    if shade.is_nan() {
+        return [0.5; 3];
+    }
+    let place = shade * (STOPS.len() - 1) as f32;
+    let stop = (place as usize).min(STOPS.len() - 2);
+    let share = place - stop as f32;
+    std::array::from_fn(|k| STOPS[stop][k] + share * (STOPS[stop + 1][k] - STOPS[stop][k]))
+}

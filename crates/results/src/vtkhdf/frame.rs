@@ -1,0 +1,182 @@
+//! A frame: all blocks of one instant in a file of its own.
+
+use super::array::Storage;
+use super::block::{Block, Field, TOPOLOGIES};
+use super::hdf5::{Label, NewFile, NewGroup, Result, StoredFile};
+use crate::blocks::entry_of;
+use crate::error::{Action, Context, Error};
+use crate::files::atomically;
+use std::path::Path;
+
+/// Our own notes about a frame, outside the group that VTK reads.
+const NOTES: &str = "tdem";
+
+/// A frame that is on the disk, as far as a master must know it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Frame {
+    /// Where it is, relative to the run.
+    pub(crate) file: String,
+    pub(crate) step: u64,
+    pub(crate) time: f64,
+    pub(crate) blocks: Vec<BlockSize>,
+}
+
+/// A block of a frame without its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct BlockSize {
+    pub(crate) name: String,
+    pub(crate) fixed: bool,
+    pub(crate) points: usize,
+    pub(crate) point_storage: Storage,
+    /// Cells and connectivity ids of each of VTK's kinds of cells.
+    pub(crate) cells: [usize; 4],
+    pub(crate) connectivity: [usize; 4],
+    pub(crate) point_fields: Vec<FieldKind>,
+    pub(crate) cell_fields: Vec<FieldKind>,
+}
+
+/// A field without its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FieldKind {
+    pub(crate) name: String,
+    pub(crate) components: usize,
+    pub(crate) storage: Storage,
+}
+
+impl BlockSize {
+    pub(crate) fn cell_count(&self) -> usize {
+        self.cells.iter().sum()
+    }
+
+    fn of(block: &Block) -> Self {
+        let topologies = block.topologies();
+        BlockSize {
+            name: block.name.into(),
+            fixed: block.fixed,
+            points: block.point_count(),
+            point_storage: block.points.storage(),
+            cells: std::array::from_fn(|k| topologies[k].offsets.len() - 1),
+            connectivity: std::array::from_fn(|k| topologies[k].connectivity.len()),
+            point_fields: block.point_fields.iter().map(FieldKind::of).collect(),
+            cell_fields: block.cell_fields.iter().map(FieldKind::of).collect(),
+        }
+    }
+}
+
+impl FieldKind {
+    fn of(field: &Field) -> Self {
+        FieldKind { name: field.name.clone(), components: field.components, storage: field.data.storage() }
+    }
+}
+
+impl Frame {
+    /// Writes a frame into a run.
+    pub(crate) fn write(
+        run: &Path,
+        file: String,
+        step: u64,
+        time: f64,
+        blocks: &[Block],
+        compression: u32,
+    ) -> std::result::Result<Self, Error> {
+        let path = run.join(&file);
+        atomically(&path, |unfinished| {
+            write(unfinished, step, time, blocks, compression).context(Action::Write, &path)
+        })?;
+        Ok(Frame { file, step, time, blocks: blocks.iter().map(BlockSize::of).collect() })
+    }
+
+    /// Looks at a frame of a run.
+    pub(crate) fn read(run: &Path, file: String) -> std::result::Result<Self, Error> {
+        let path = run.join(&file);
+        let stored = StoredFile::open(&path).context(Action::Read, &path)?;
+        read(&stored, file).context(Action::Read, &path)
+    }
+}
+
+fn write(path: &Path, step: u64, time: f64, blocks: &[Block], compression: u32) -> Result<()> {
+    let file = NewFile::create(path, true)?;
+    let root = file.group("VTKHDF")?;
+    root.header("PartitionedDataSetCollection")?;
+    for (index, block) in blocks.iter().enumerate() {
+        let group = root.group(block.name)?;
+        group.header("PolyData")?;
+        group.integer_attribute("Index", index as i64)?;
+        write_block(&group, block, compression)?;
+    }
+    let assembly = root.group("Assembly")?;
+    for block in blocks {
+        assembly.soft_link(block.name, &format!("/VTKHDF/{}", block.name))?;
+    }
+
+    let notes = file.group(NOTES)?;
+    notes.put_integers("step", 1, vec![step.cast_signed()], 0)?;
+    notes.put("time", 1, &super::array::Array::F64(vec![time]), 0, Label { unit: "s", description: "time" })?;
+    let fixed = notes.group("fixed")?;
+    for block in blocks {
+        fixed.put_integers(block.name, 1, vec![block.fixed.into()], 0)?;
+    }
+    file.close()
+}
+
+fn write_block(group: &NewGroup, block: &Block, compression: u32) -> Result<()> {
+    group.put_integers("NumberOfPoints", 1, vec![block.point_count() as i64], 0)?;
+    group.put("Points", 3, &block.points, compression, POINTS)?;
+    for (name, topology) in TOPOLOGIES.iter().zip(block.topologies()) {
+        let kind = group.group(name)?;
+        kind.put_integers("NumberOfCells", 1, vec![topology.offsets.len() as i64 - 1], 0)?;
+        kind.put_integers("NumberOfConnectivityIds", 1, vec![topology.connectivity.len() as i64], 0)?;
+        kind.put_integers("Offsets", 1, topology.offsets, compression)?;
+        kind.put_integers("Connectivity", 1, topology.connectivity, compression)?;
+    }
+    for (name, fields) in [("PointData", &block.point_fields), ("CellData", &block.cell_fields)] {
+        let group = group.group(name)?;
+        for field in fields {
+            let label = label(block.name, &field.name);
+            group.put(&field.name, field.components, &field.data, compression, label)?;
+        }
+    }
+    Ok(())
+}
+
+/// The documentation of the positions.
+pub(super) const POINTS: Label = Label { unit: "m", description: "position" };
+
+/// The documentation of a field.
+pub(super) fn label(block: &str, field: &str) -> Label {
+    entry_of(block, field).map_or(Label::default(), |entry| Label { unit: entry.unit, description: entry.description })
+}
+
+fn read(stored: &StoredFile, file: String) -> Result<Frame> {
+    let first = |dataset: &str| -> Result<i64> { Ok(stored.integers(dataset)?.first().copied().unwrap_or(0)) };
+    let mut blocks = Vec::new();
+    for name in stored.names(&format!("{NOTES}/fixed")) {
+        let group = format!("VTKHDF/{name}");
+        let mut size = BlockSize {
+            fixed: first(&format!("{NOTES}/fixed/{name}"))? != 0,
+            points: first(&format!("{group}/NumberOfPoints"))? as usize,
+            point_storage: stored.layout(&format!("{group}/Points"))?.0,
+            cells: [0; 4],
+            connectivity: [0; 4],
+            point_fields: fields(stored, &format!("{group}/PointData"))?,
+            cell_fields: fields(stored, &format!("{group}/CellData"))?,
+            name,
+        };
+        for (k, kind) in TOPOLOGIES.iter().enumerate() {
+            size.cells[k] = first(&format!("{group}/{kind}/NumberOfCells"))? as usize;
+            size.connectivity[k] = first(&format!("{group}/{kind}/NumberOfConnectivityIds"))? as usize;
+        }
+        blocks.push(size);
+    }
+    let step = first(&format!("{NOTES}/step"))?.cast_unsigned();
+    let time = stored.reals(&format!("{NOTES}/time"))?.first().copied().unwrap_or(0.0);
+    Ok(Frame { file, step, time, blocks })
+}
+
+fn fields(stored: &StoredFile, group: &str) -> Result<Vec<FieldKind>> {
+    let kind = |name: String| {
+        let (storage, components) = stored.layout(&format!("{group}/{name}"))?;
+        Ok(FieldKind { name, components, storage })
+    };
+    stored.names(group).into_iter().map(kind).collect()
+}

@@ -1,0 +1,281 @@
+//! The only module that names the HDF5 library: what VTKHDF files need of it, and no more.
+
+use super::array::{Array, Storage, each};
+use rust_hdf5::{
+    DatatypeMessage, FileLocking, H5Dataset, H5File, H5Group, H5Type, Hdf5Error, Hyperslab, HyperslabBlock, Selection,
+};
+use std::path::Path;
+use thiserror::Error;
+
+/// Why an HDF5 file could not be written or understood.
+#[derive(Debug, Error)]
+#[error(transparent)]
+pub struct FormatError(#[from] Hdf5Error);
+
+impl FormatError {
+    /// The operating system's error, if it was one.
+    pub(crate) fn into_io(self) -> std::result::Result<std::io::Error, FormatError> {
+        match self.0 {
+            Hdf5Error::Io(error) => Ok(error),
+            // The library keeps the type of its inner error to itself; what it prints ends with the system's number.
+            other => match os_error(&other.to_string()) {
+                Some(code) => Ok(std::io::Error::from_raw_os_error(code)),
+                None => Err(FormatError(other)),
+            },
+        }
+    }
+}
+
+/// The number in `... (os error 28)`.
+fn os_error(message: &str) -> Option<i32> {
+    let (_, rest) = message.rsplit_once("(os error ")?;
+    rest.split(')').next()?.parse().ok()
+}
+
+pub(crate) type Result<T> = std::result::Result<T, FormatError>;
+
+/// Rows per chunk of a compressed dataset.
+const CHUNK: usize = 65_536;
+/// Shorter datasets are stored as they are: a chunk index would cost more than compression saves.
+const WORTH_COMPRESSING: usize = 256;
+
+/// A file that is being written.
+pub(crate) struct NewFile(H5File);
+
+/// A group of a file that is being written.
+pub(crate) struct NewGroup(H5Group);
+
+/// Documentation that travels with a dataset, as attributes.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Label {
+    pub(crate) unit: &'static str,
+    pub(crate) description: &'static str,
+}
+
+/// Rows of a dataset of another file.
+pub(crate) struct Source {
+    /// Relative to the file that refers to it.
+    pub(crate) file: String,
+    pub(crate) dataset: String,
+    pub(crate) rows: usize,
+}
+
+impl NewFile {
+    /// `ordered` keeps links in the order of creation: VTK walks an `Assembly` in that order.
+    pub(crate) fn create(path: &Path, ordered: bool) -> Result<Self> {
+        // Nobody knows the temporary name, so a lock would only cost file systems without locks their files.
+        let file = H5File::options().locking(FileLocking::Disabled).track_order(ordered).create(path)?;
+        file.set_track_order(ordered)?;
+        Ok(NewFile(file))
+    }
+    pub(crate) fn group(&self, name: &str) -> Result<NewGroup> {
+        Ok(NewGroup(self.0.create_group(name)?))
+    }
+    pub(crate) fn close(self) -> Result<()> {
+        // Whoever gives the file its name syncs it.
+        Ok(self.0.close_no_sync()?)
+    }
+}
+
+impl NewGroup {
+    pub(crate) fn group(&self, name: &str) -> Result<NewGroup> {
+        Ok(NewGroup(self.0.create_group(name)?))
+    }
+
+    /// Version and type, as every VTKHDF group has them.
+    pub(crate) fn header(&self, kind: &str) -> Result<()> {
+        self.0.set_attr_array_numeric("Version", &[2_i64, 2])?;
+        Ok(self.0.set_attr_typed("Type", ascii(kind), kind.as_bytes().to_vec())?)
+    }
+    pub(crate) fn integer_attribute(&self, name: &str, value: i64) -> Result<()> {
+        Ok(self.0.set_attr_numeric(name, &value)?)
+    }
+    pub(crate) fn soft_link(&self, name: &str, target: &str) -> Result<()> {
+        Ok(self.0.create_soft_link(name, target)?)
+    }
+
+    /// A dataset, compressed when that is worth it; `level` 0 never compresses.
+    pub(crate) fn put(&self, name: &str, components: usize, array: &Array, level: u32, label: Label) -> Result<()> {
+        each!(array, values => {
+            let dataset = self.create(name, values.len() / components, components, level, label, values.first())?;
+            // The library refuses to write nothing.
+            if !values.is_empty() {
+                dataset.write_raw(values)?;
+            }
+            Ok(())
+        })
+    }
+    /// A dataset of integers without documentation.
+    pub(crate) fn put_integers(&self, name: &str, components: usize, values: Vec<i64>, level: u32) -> Result<()> {
+        self.put(name, components, &Array::I64(values), level, Label::default())
+    }
+
+    /// A virtual dataset: the rows of the sources, one after the other, which stay where they are.
+    pub(crate) fn put_virtual(
+        &self,
+        name: &str,
+        components: usize,
+        storage: Storage,
+        sources: &[Source],
+        label: Label,
+    ) -> Result<()> {
+        match storage {
+            Storage::F32 => self.map::<f32>(name, components, sources, label),
+            Storage::F64 => self.map::<f64>(name, components, sources, label),
+            Storage::I32 => self.map::<i32>(name, components, sources, label),
+            Storage::I64 => self.map::<i64>(name, components, sources, label),
+        }
+    }
+
+    /// A dataset that holds copies of the rows of the sources, one after the other, never more than one source and
+    /// one chunk in memory.
+    pub(crate) fn put_copy(
+        &self,
+        name: &str,
+        components: usize,
+        storage: Storage,
+        sources: &[Source],
+        copying: &Copying<'_>,
+        label: Label,
+    ) -> Result<()> {
+        match storage {
+            Storage::F32 => self.copy::<f32>(name, components, sources, copying, label),
+            Storage::F64 => self.copy::<f64>(name, components, sources, copying, label),
+            Storage::I32 => self.copy::<i32>(name, components, sources, copying, label),
+            Storage::I64 => self.copy::<i64>(name, components, sources, copying, label),
+        }
+    }
+
+    fn create<T: H5Type>(
+        &self,
+        name: &str,
+        rows: usize,
+        components: usize,
+        level: u32,
+        label: Label,
+        _: Option<&T>,
+    ) -> Result<H5Dataset> {
+        let mut builder = self.0.new_dataset::<T>().shape(shape(rows, components));
+        if level > 0 && rows >= WORTH_COMPRESSING {
+            // VTK's reader knows no other filters than these two.
+            builder = builder.chunk(&shape(rows.min(CHUNK), components)).shuffle_deflate(level);
+        }
+        let dataset = builder.create(name)?;
+        describe(&dataset, label)?;
+        Ok(dataset)
+    }
+
+    fn map<T: H5Type>(&self, name: &str, components: usize, sources: &[Source], label: Label) -> Result<()> {
+        let rows = sources.iter().map(|source| source.rows).sum();
+        let mut builder = self.0.new_dataset::<T>().shape(shape(rows, components));
+        let mut first = 0;
+        for source in sources.iter().filter(|source| source.rows > 0) {
+            let last = first + source.rows as u64 - 1;
+            let block = if components > 1 {
+                HyperslabBlock { start: vec![first, 0], end: vec![last, components as u64 - 1] }
+            } else {
+                HyperslabBlock { start: vec![first], end: vec![last] }
+            };
+            let rank = if components > 1 { 2 } else { 1 };
+            let target = Selection::Hyperslab { rank, form: Hyperslab::Blocks(vec![block]) };
+            builder = builder.virtual_mapping(target, &source.file, &source.dataset, Selection::All);
+            first = last + 1;
+        }
+        describe(&builder.create(name)?, label)
+    }
+
+    fn copy<T: H5Type>(
+        &self,
+        name: &str,
+        components: usize,
+        sources: &[Source],
+        copying: &Copying<'_>,
+        label: Label,
+    ) -> Result<()> {
+        let rows: usize = sources.iter().map(|source| source.rows).sum();
+        let dataset = self.create::<T>(name, rows, components, copying.level, label, None)?;
+        let mut waiting: Vec<T> = Vec::new();
+        let mut written = 0;
+        let mut write = |waiting: &mut Vec<T>, rows: usize| -> Result<()> {
+            if rows > 0 {
+                let (start, count) = if components > 1 {
+                    (vec![written, 0], vec![rows, components])
+                } else {
+                    (vec![written], vec![rows])
+                };
+                dataset.write_slice(&start, &count, &waiting[..rows * components])?;
+                waiting.drain(..rows * components);
+                written += rows;
+            }
+            Ok(())
+        };
+        for source in sources.iter().filter(|source| source.rows > 0) {
+            let file = StoredFile::open(&copying.folder.join(&source.file))?;
+            waiting.extend(file.0.dataset(source.dataset.trim_start_matches('/'))?.read_raw::<T>()?);
+            // Whole chunks only: a chunk written in two goes is packed, unpacked and packed again.
+            let whole = waiting.len() / components / CHUNK * CHUNK;
+            write(&mut waiting, whole)?;
+        }
+        let rest = waiting.len() / components;
+        write(&mut waiting, rest)
+    }
+}
+
+/// Where copies come from and how hard they are compressed.
+pub(crate) struct Copying<'a> {
+    pub(crate) folder: &'a Path,
+    pub(crate) level: u32,
+}
+
+/// A finished file.
+pub(crate) struct StoredFile(H5File);
+
+impl StoredFile {
+    pub(crate) fn open(path: &Path) -> Result<Self> {
+        // Frames never change once they have their name.
+        Ok(StoredFile(H5File::options().no_locking().open(path)?))
+    }
+    /// Names of the datasets directly in a group; none if there is no such group.
+    pub(crate) fn names(&self, group: &str) -> Vec<String> {
+        let prefix = format!("{}/", group.trim_matches('/'));
+        let names = self.0.dataset_names();
+        let inside = names.iter().filter_map(|name| name.trim_start_matches('/').strip_prefix(&prefix));
+        inside.filter(|name| !name.contains('/')).map(Into::into).collect()
+    }
+    pub(crate) fn integers(&self, dataset: &str) -> Result<Vec<i64>> {
+        Ok(self.0.dataset(dataset)?.read_raw::<i64>()?)
+    }
+    pub(crate) fn reals(&self, dataset: &str) -> Result<Vec<f64>> {
+        Ok(self.0.dataset(dataset)?.read_raw::<f64>()?)
+    }
+    /// How a dataset is stored, and how many components a row has.
+    pub(crate) fn layout(&self, dataset: &str) -> Result<(Storage, usize)> {
+        let dataset = self.0.dataset(dataset)?;
+        let storage = match dataset.datatype()? {
+            DatatypeMessage::FloatingPoint { size: 4, .. } => Storage::F32,
+            DatatypeMessage::FloatingPoint { size: 8, .. } => Storage::F64,
+            DatatypeMessage::FixedPoint { size: 4, signed: true, .. } => Storage::I32,
+            DatatypeMessage::FixedPoint { size: 8, signed: true, .. } => Storage::I64,
+            other => return Err(Hdf5Error::Unsupported(format!("a dataset of type {other:?}")).into()),
+        };
+        Ok((storage, dataset.shape().get(1).copied().unwrap_or(1)))
+    }
+}
+
+fn shape(rows: usize, components: usize) -> Vec<usize> {
+    if components > 1 { vec![rows, components] } else { vec![rows] }
+}
+
+/// Fixed length, null-padded: VTK does not read the variable-length kind.
+fn ascii(text: &str) -> DatatypeMessage {
+    DatatypeMessage::FixedString { size: text.len() as u32, padding: 1, charset: 0 }
+}
+
+fn describe(dataset: &H5Dataset, label: Label) -> Result<()> {
+    for (name, text) in [("unit", label.unit), ("description", label.description)] {
+        if !text.is_empty() {
+            dataset.set_attr_typed(name, ascii(text), text.as_bytes().to_vec())?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,267 @@
+//! A master: one block of all frames as a series in time.
+
+use super::array::{Array, Storage};
+use super::block::TOPOLOGIES;
+use super::frame::{BlockSize, FieldKind, Frame, POINTS, label};
+use super::hdf5::{Copying, Label, NewFile, NewGroup, Result, Source};
+use crate::error::{Action, Context, Error};
+use crate::files::atomically;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Where the numbers of a master are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Numbers {
+    /// In the frames: the master is small and needs them beside it.
+    InFrames,
+    /// In the master itself, compressed this hard: it can be sent.
+    Copied(u32),
+}
+
+/// Names of the blocks that occur in any frame.
+pub(crate) fn block_names(frames: &[Frame]) -> Vec<String> {
+    let names: BTreeSet<&String> = frames.iter().flat_map(|frame| &frame.blocks).map(|block| &block.name).collect();
+    names.into_iter().cloned().collect()
+}
+
+/// Writes a master for each block into `folder`. `run` is where the frames' paths begin.
+///
+/// A block that only some frames have is shown at the times of those; a field that only some frames have is left
+/// out: VTK needs every array at every time.
+pub(crate) fn write(
+    run: &Path,
+    folder: &Path,
+    frames: &[Frame],
+    numbers: Numbers,
+) -> std::result::Result<Vec<PathBuf>, Error> {
+    let mut paths = Vec::new();
+    for name in block_names(frames) {
+        let path = folder.join(format!("{name}.vtkhdf"));
+        let series = Series::new(run, &name, frames, numbers);
+        atomically(&path, |unfinished| series.write(unfinished).context(Action::Write, &path))?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+/// A block at an instant.
+struct Instant<'a> {
+    frame: &'a Frame,
+    block: &'a BlockSize,
+}
+
+/// A block at all its instants.
+struct Series<'a> {
+    run: &'a Path,
+    name: &'a str,
+    numbers: Numbers,
+    instants: Vec<Instant<'a>>,
+    /// Whether points and cells are the same at all instants, and so stored once.
+    fixed: bool,
+}
+
+impl<'a> Series<'a> {
+    fn new(run: &'a Path, name: &'a str, frames: &'a [Frame], numbers: Numbers) -> Self {
+        let instants: Vec<Instant<'_>> = frames
+            .iter()
+            .filter_map(|frame| Some((frame, frame.blocks.iter().find(|block| block.name == name)?)))
+            .map(|(frame, block)| Instant { frame, block })
+            .collect();
+        let fixed =
+            instants.iter().all(|instant| instant.block.fixed && instant.block.cells == instants[0].block.cells);
+        Series { run, name, numbers, instants, fixed }
+    }
+
+    /// The instants whose points and cells are stored.
+    fn stored(&self) -> &[Instant<'a>] {
+        if self.fixed { &self.instants[..1] } else { &self.instants }
+    }
+
+    fn write(&self, path: &Path) -> Result<()> {
+        let file = NewFile::create(path, false)?;
+        let root = file.group("VTKHDF")?;
+        root.header("PolyData")?;
+        self.write_geometry(&root)?;
+
+        let steps = root.group("Steps")?;
+        let count = self.instants.len();
+        steps.integer_attribute("NSteps", count as i64)?;
+        let times = self.instants.iter().map(|instant| instant.frame.time).collect();
+        steps.put("Values", 1, &Array::F64(times), 0, Label { unit: "s", description: "time" })?;
+        let parts = if self.fixed { vec![0; count] } else { (0..count as i64).collect() };
+        steps.put_integers("PartOffsets", 1, parts, 0)?;
+        steps.put_integers("NumberOfParts", 1, vec![1; count], 0)?;
+        steps.put_integers("PointOffsets", 1, self.geometry_offsets(|block| block.points), 0)?;
+        steps.put_integers("CellOffsets", 4, self.by_kind(|block, kind| block.cells[kind]), 0)?;
+        steps.put_integers("ConnectivityIdOffsets", 4, self.by_kind(|block, kind| block.connectivity[kind]), 0)?;
+
+        self.write_fields(&root, &steps, "PointData", |block| &block.point_fields, |block| block.points)?;
+        self.write_fields(&root, &steps, "CellData", |block| &block.cell_fields, BlockSize::cell_count)?;
+        file.close()
+    }
+
+    fn write_geometry(&self, root: &NewGroup) -> Result<()> {
+        let counts = |of: &dyn Fn(&BlockSize) -> usize| -> Vec<i64> {
+            self.stored().iter().map(|instant| of(instant.block) as i64).collect()
+        };
+        root.put_integers("NumberOfPoints", 1, counts(&|block| block.points), 0)?;
+        // The wider storage holds what the narrower one does.
+        let wide = self.stored().iter().any(|instant| instant.block.point_storage == Storage::F64);
+        let storage = if wide { Storage::F64 } else { Storage::F32 };
+        let points = self.sources(self.stored(), "Points", |block| block.points);
+        self.put(root, "Points", 3, storage, &points, POINTS)?;
+        for (k, kind) in TOPOLOGIES.iter().enumerate() {
+            let group = root.group(kind)?;
+            group.put_integers("NumberOfCells", 1, counts(&|block| block.cells[k]), 0)?;
+            group.put_integers("NumberOfConnectivityIds", 1, counts(&|block| block.connectivity[k]), 0)?;
+            let offsets = self.sources(self.stored(), &format!("{kind}/Offsets"), |block| block.cells[k] + 1);
+            self.put(&group, "Offsets", 1, Storage::I64, &offsets, Label::default())?;
+            let ids = self.sources(self.stored(), &format!("{kind}/Connectivity"), |block| block.connectivity[k]);
+            self.put(&group, "Connectivity", 1, Storage::I64, &ids, Label::default())?;
+        }
+        Ok(())
+    }
+
+    /// Fields have values at every instant, also where points and cells are stored once.
+    fn write_fields(
+        &self,
+        root: &NewGroup,
+        steps: &NewGroup,
+        place: &str,
+        fields: fn(&BlockSize) -> &Vec<FieldKind>,
+        rows: fn(&BlockSize) -> usize,
+    ) -> Result<()> {
+        let group = root.group(place)?;
+        let offsets = steps.group(&format!("{place}Offsets"))?;
+        let everywhere = |field: &&FieldKind| self.instants.iter().all(|instant| fields(instant.block).contains(field));
+        let first = self.instants.first().map(|instant| fields(instant.block).as_slice()).unwrap_or_default();
+        for field in first.iter().filter(everywhere) {
+            let sources = self.sources(&self.instants, &format!("{place}/{}", field.name), rows);
+            let label = label(self.name, &field.name);
+            self.put(&group, &field.name, field.components, field.storage, &sources, label)?;
+            offsets.put_integers(&field.name, 1, running(&self.instants, rows), 0)?;
+        }
+        Ok(())
+    }
+
+    fn sources(&self, instants: &[Instant<'_>], dataset: &str, rows: impl Fn(&BlockSize) -> usize) -> Vec<Source> {
+        let source = |instant: &Instant<'_>| Source {
+            file: instant.frame.file.clone(),
+            dataset: format!("/VTKHDF/{}/{dataset}", self.name),
+            rows: rows(instant.block),
+        };
+        instants.iter().map(source).collect()
+    }
+
+    fn put(
+        &self,
+        group: &NewGroup,
+        name: &str,
+        components: usize,
+        storage: Storage,
+        sources: &[Source],
+        label: Label,
+    ) -> Result<()> {
+        match self.numbers {
+            Numbers::InFrames => group.put_virtual(name, components, storage, sources, label),
+            Numbers::Copied(level) => {
+                let copying = Copying { folder: self.run, level };
+                group.put_copy(name, components, storage, sources, &copying, label)
+            }
+        }
+    }
+
+    fn geometry_offsets(&self, rows: impl Fn(&BlockSize) -> usize) -> Vec<i64> {
+        if self.fixed { vec![0; self.instants.len()] } else { running(&self.instants, rows) }
+    }
+
+    /// Offsets of the four kinds of cells, `(steps, 4)`.
+    fn by_kind(&self, rows: impl Fn(&BlockSize, usize) -> usize) -> Vec<i64> {
+        let columns: [Vec<i64>; 4] = std::array::from_fn(|kind| self.geometry_offsets(|block| rows(block, kind)));
+        (0..self.instants.len()).flat_map(|step| columns.each_ref().map(|column| column[step])).collect()
+    }
+}
+
+/// Where the rows of each instant begin.
+fn running(instants: &[Instant<'_>], rows: impl Fn(&BlockSize) -> usize) -> Vec<i64> {
+    let mut end = 0;
+    let begin = |instant: &Instant<'_>| {
+        let begin = end;
+        end += rows(instant.block) as i64;
+        begin
+    };
+    instants.iter().map(begin).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vtkhdf::block::{Block, Cells, Field};
+    use crate::vtkhdf::hdf5::StoredFile;
+    use std::fs;
+
+    fn points(name: &'static str, count: usize, fixed: bool) -> Block {
+        let ids = (0..count as i64).collect();
+        Block {
+            name,
+            points: Array::F64((0..3 * count).map(|k| k as f64).collect()),
+            cells: Cells::Vertices,
+            point_fields: vec![Field { name: "id".into(), components: 1, data: Array::I64(ids) }],
+            cell_fields: Vec::new(),
+            fixed,
+        }
+    }
+
+    fn frames(run: &Path, blocks: &[Vec<Block>]) -> Vec<Frame> {
+        fs::create_dir(run.join("frames")).unwrap();
+        let write = |(step, blocks): (usize, &Vec<Block>)| {
+            let file = format!("frames/{step}.vtkhdf");
+            let frame = Frame::write(run, file.clone(), step as u64, step as f64, blocks, 4).unwrap();
+            let mut read = Frame::read(run, file).unwrap();
+            read.blocks.sort_by_key(|block| blocks.iter().position(|other| other.name == block.name));
+            assert_eq!(read, frame, "a frame on the disk is what its writer remembers");
+            frame
+        };
+        blocks.iter().enumerate().map(write).collect()
+    }
+
+    #[test]
+    fn virtual_and_copied_numbers_are_those_of_the_frames() {
+        let run = tempfile::tempdir().unwrap();
+        // Sizes on both sides of a chunk, and none at all.
+        let counts = [3, 0, 70_000, 300, 65_536];
+        let frames = frames(run.path(), &counts.map(|count| vec![points("particles", count, false)]));
+        let expected: Vec<i64> = counts.iter().flat_map(|&count| 0..count as i64).collect();
+        for numbers in [Numbers::InFrames, Numbers::Copied(0), Numbers::Copied(6)] {
+            let paths = write(run.path(), run.path(), &frames, numbers).unwrap();
+            let stored = StoredFile::open(&paths[0]).unwrap();
+            assert_eq!(stored.integers("VTKHDF/PointData/id").unwrap(), expected, "{numbers:?}");
+            assert_eq!(stored.integers("VTKHDF/Steps/PointOffsets").unwrap(), [0, 3, 3, 70_003, 70_303]);
+            let offsets = stored.integers("VTKHDF/Vertices/Offsets").unwrap();
+            assert_eq!(&offsets[..6], [0, 1, 2, 3, 0, 0], "an empty part holds one 0");
+        }
+    }
+
+    #[test]
+    fn fixed_geometry_is_stored_once_and_fields_at_every_time() {
+        let run = tempfile::tempdir().unwrap();
+        let frames = frames(run.path(), &[(); 3].map(|()| vec![points("walls", 2, true)]));
+        let paths = write(run.path(), run.path(), &frames, Numbers::InFrames).unwrap();
+        let stored = StoredFile::open(&paths[0]).unwrap();
+        assert_eq!(stored.integers("VTKHDF/NumberOfPoints").unwrap(), [2]);
+        assert_eq!(stored.integers("VTKHDF/Steps/PartOffsets").unwrap(), [0, 0, 0]);
+        assert_eq!(stored.integers("VTKHDF/Steps/PointDataOffsets/id").unwrap(), [0, 2, 4]);
+        assert_eq!(stored.integers("VTKHDF/PointData/id").unwrap(), [0, 1, 0, 1, 0, 1]);
+    }
+
+    #[test]
+    fn a_block_that_came_later_begins_later() {
+        let run = tempfile::tempdir().unwrap();
+        let both = vec![points("particles", 2, false), points("contacts", 1, false)];
+        let frames = frames(run.path(), &[vec![points("particles", 2, false)], both]);
+        let paths = write(run.path(), run.path(), &frames, Numbers::InFrames).unwrap();
+        assert!(paths[0].ends_with("contacts.vtkhdf") && paths[1].ends_with("particles.vtkhdf"));
+        assert_eq!(StoredFile::open(&paths[0]).unwrap().reals("VTKHDF/Steps/Values").unwrap(), [1.0]);
+        assert_eq!(StoredFile::open(&paths[1]).unwrap().reals("VTKHDF/Steps/Values").unwrap(), [0.0, 1.0]);
+    }
+}

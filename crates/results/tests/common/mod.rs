@@ -1,0 +1,143 @@
+//! A small run that every test can afford: spheres that fall into a box which repeats in x, under a moving lid.
+
+#![allow(dead_code, reason = "each test uses its share")]
+#![allow(clippy::unwrap_used, reason = "the sample run uses this too, and may panic like a test")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use tdem_engine::physics::contact::{Friction, Interaction, Law};
+use tdem_engine::{Constraint, Domain, Integrator, Plan, Search, Simulation, State, Wall, cpu};
+use tdem_results::{Control, Note, Observer, Progress, RunDirectory, Schedule};
+
+pub(crate) const RADIUS: f64 = 0.05;
+
+pub(crate) fn plan() -> Plan {
+    let wall = |name: &str, normal, velocity| Wall { name: name.into(), normal, velocity, material: 0 };
+    Plan {
+        dt: 1e-4,
+        integrator: Integrator::VelocityVerlet,
+        law: Law { friction: Friction::Rescaled, ..Law::GNTM },
+        materials: 1,
+        interactions: vec![Interaction {
+            normal_stiffness: 1e7,
+            tangential_stiffness: 1e7,
+            normal_damping: 200.0,
+            tangential_damping: 50.0,
+            static_friction: 0.5,
+            dynamic_friction: 0.4,
+            least_normal_force: 0.0,
+        }],
+        walls: vec![
+            wall("floor", [0.0, 0.0, 1.0], [0.0; 3]),
+            wall("front", [0.0, 1.0, 0.0], [0.0; 3]),
+            wall("back", [0.0, -1.0, 0.0], [0.0; 3]),
+            wall("lid", [0.0, 0.0, -1.0], [0.0, 0.0, -0.1]),
+        ],
+        gravity: [0.0, 0.0, -9.81],
+        constraints: vec![Constraint::FREE],
+        domain: Domain { min: [0.0; 3], max: [0.6, 0.5, 0.8], periodic: [true, false, false] },
+        search: Search { skin: 0.01, every_step: false },
+        overlap_limit: 0.5,
+        ledger: true,
+    }
+}
+
+pub(crate) fn state() -> State {
+    let mut state = State::default();
+    for k in 0..5 {
+        for j in 0..4 {
+            for i in 0..5 {
+                let id = state.id.len() as u32;
+                state.id.push(id);
+                state.position.push([
+                    0.119 * f64::from(i) + 0.01 * f64::from(k) + 1e-3,
+                    0.07 + 0.115 * f64::from(j) + 0.003 * f64::from(i),
+                    0.06 + 0.125 * f64::from(k),
+                ]);
+                state.velocity.push([0.4 - 0.1 * f64::from(j), 0.05 * f64::from(i), -0.2 * f64::from(k)]);
+            }
+        }
+    }
+    let count = state.id.len();
+    state.material = vec![0; count];
+    state.constraint = vec![0; count];
+    state.radius = (0..count).map(|index| RADIUS * (1.0 - 0.2 * (index % 3) as f64)).collect();
+    state.mass = state.radius.iter().map(|radius| 1e4 * radius * radius * radius).collect();
+    state.image = vec![[0; 3]; count];
+    state.angular_velocity = vec![[0.0, -0.0, 1.0]; count];
+    state.force = vec![[0.0; 3]; count];
+    state.moment = vec![[0.0; 3]; count];
+    state.accounts = vec![[0.0; 4]; count];
+    state.wall_position = vec![[0.0; 3], [0.0; 3], [0.0, 0.5, 0.0], [0.0, 0.0, 0.8]];
+    state
+}
+
+pub(crate) fn simulation(state: State) -> Simulation {
+    let options = cpu::Options { threads: Some(1), ..cpu::Options::default() };
+    Simulation::new(state, plan(), &options).unwrap()
+}
+
+pub(crate) fn schedule(steps: u64) -> Schedule {
+    Schedule { steps, frame_every: 50, history_every: 10, checkpoint_every: Some(70), ..Schedule::default() }
+}
+
+/// Stops at a step, or never.
+#[derive(Default)]
+pub(crate) struct Watcher {
+    pub(crate) stop_at: Option<u64>,
+    pub(crate) seen: Vec<Progress>,
+    pub(crate) notes: Vec<Note>,
+}
+
+impl Observer for Watcher {
+    fn progress(&mut self, progress: &Progress) -> Control {
+        self.seen.push(*progress);
+        if self.stop_at.is_some_and(|step| progress.step >= step) { Control::Stop } else { Control::Continue }
+    }
+    fn note(&mut self, note: &Note) {
+        self.notes.push(*note);
+    }
+}
+
+/// Begins a run and runs it to a step.
+pub(crate) fn run_new(path: &Path, steps: u64) {
+    let mut directory = RunDirectory::create(path, "# a test\n", false).unwrap();
+    directory.set_contents(contents());
+    tdem_results::session::run(simulation(state()), &mut directory, &schedule(steps), &mut Watcher::default()).unwrap();
+}
+
+/// Goes on with a run to a step.
+pub(crate) fn run_on(path: &Path, steps: u64) {
+    let resumed = RunDirectory::open(path).unwrap();
+    let mut directory = resumed.directory;
+    directory.set_contents(contents());
+    let simulation = simulation(resumed.state.unwrap_or_else(state));
+    tdem_results::session::run(simulation, &mut directory, &schedule(steps), &mut Watcher::default()).unwrap();
+}
+
+pub(crate) fn contents() -> tdem_results::Contents {
+    tdem_results::Contents { contacts: true, ..tdem_results::Contents::default() }
+}
+
+/// All files that must not depend on interruptions, by name.
+pub(crate) fn results(run: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    for (folder, ending) in [("", "vtkhdf"), ("", "csv"), ("frames", "vtkhdf")] {
+        for entry in fs::read_dir(run.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|found| found == ending) {
+                files.insert(path.strip_prefix(run).unwrap().display().to_string(), fs::read(&path).unwrap());
+            }
+        }
+    }
+    files
+}
+
+pub(crate) fn assert_same_results(one: &Path, other: &Path) {
+    let (one, other) = (results(one), results(other));
+    assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
+    for (name, bytes) in &one {
+        assert!(*bytes == other[name], "{name} differs");
+    }
+}

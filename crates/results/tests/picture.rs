@@ -1,0 +1,81 @@
+//! The quick-look pictures.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
+mod common;
+
+use tdem_engine::State;
+use tdem_results::Error;
+use tdem_results::picture::{Colour, Options, Subject, render};
+
+fn pixels(state: &State, options: &Options) -> (u32, Vec<[u8; 3]>) {
+    let bytes = render(state, &common::plan(), options).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut buffer).unwrap();
+    (info.width, buffer.as_chunks().0.to_vec())
+}
+
+/// Two spheres, one behind the other as seen along -y.
+fn two_in_line() -> State {
+    let mut state = common::state();
+    for field in [&mut state.position, &mut state.velocity] {
+        field.truncate(2);
+    }
+    state.id.truncate(2);
+    state.radius = vec![0.1, 0.1];
+    state.position = vec![[0.3, 0.1, 0.4], [0.3, 0.4, 0.4]];
+    state.velocity = vec![[0.0; 3], [1.0, 0.0, 0.0]];
+    state
+}
+
+const FROM_THE_FRONT: Options = Options {
+    width: 81,
+    height: 61,
+    direction: [0.0, -1.0, 0.0],
+    view_angle_deg: 25.0,
+    subject: Subject::Particles,
+    colour: Colour::Speed,
+    range: None,
+    walls: false,
+    smooth: false,
+};
+
+#[test]
+fn the_nearer_sphere_hides_the_farther_one() {
+    let mut state = two_in_line();
+    let (width, front) = pixels(&state, &FROM_THE_FRONT);
+    let middle = (30 * width + 40) as usize;
+    let [red, _, blue] = front[middle];
+    assert!(blue > red, "the slow one is dark blue: {:?}", front[middle]);
+    assert_eq!(front[0], [255; 3], "the background is white");
+    state.position.swap(0, 1);
+    let [red, _, blue] = pixels(&state, &FROM_THE_FRONT).1[middle];
+    assert!(red > blue, "the fast one is yellow");
+}
+
+#[test]
+fn walls_are_outlined_behind_and_between_spheres() {
+    let options = Options { walls: true, subject: Subject::Domain, ..FROM_THE_FRONT };
+    let (_, with) = pixels(&two_in_line(), &options);
+    let (_, without) = pixels(&two_in_line(), &Options { walls: false, ..options });
+    let changed = with.iter().zip(&without).filter(|(a, b)| a != b).count();
+    assert!((50..600).contains(&changed), "{changed}");
+}
+
+#[test]
+fn pictures_are_the_same_every_time_also_of_nothing() {
+    let options = Options { width: 120, height: 90, ..Options::default() };
+    assert!(pixels(&common::state(), &options) == pixels(&common::state(), &options));
+    let empty = State { wall_position: common::state().wall_position, ..State::default() };
+    let (_, nothing) = pixels(&empty, &Options { walls: false, ..options });
+    assert!(nothing.iter().all(|&pixel| pixel == [255; 3]));
+}
+
+#[test]
+fn impossible_sizes_are_refused() {
+    for (width, height) in [(0, 10), (10, 0), (20_000, 10)] {
+        let result = render(&common::state(), &common::plan(), &Options { width, height, ..Options::default() });
+        assert!(matches!(result, Err(Error::PictureSize { .. })));
+    }
+}

@@ -1,0 +1,143 @@
+//! A run looks the same however often it was interrupted.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic like tests")]
+
+mod common;
+
+use common::{Watcher, assert_same_results, results, run_new, run_on, schedule, simulation, state};
+use std::fs;
+use std::time::Duration;
+use tdem_results::session::run;
+use tdem_results::{Control, Note, Observer, Outcome, Progress, RunDirectory, RunError, Schedule, load_final_state};
+
+#[test]
+fn a_run_leaves_frames_rows_and_checkpoints_on_schedule() {
+    let folder = tempfile::tempdir().unwrap();
+    run_new(folder.path(), 410);
+    let info = tdem_results::info(folder.path()).unwrap();
+    let steps: Vec<u64> = info.frames.iter().map(|frame| frame.step).collect();
+    assert_eq!(steps, [0, 50, 100, 150, 200, 250, 300, 350, 400, 410]);
+    assert!(info.frames.iter().all(|frame| frame.particles == 100 && frame.time == frame.step as f64 * 1e-4));
+    assert_eq!(info.history_rows, 42);
+    assert_eq!(info.blocks, ["contacts", "particles", "walls"]);
+    let checkpoints: Vec<u64> = info.checkpoints.iter().map(|checkpoint| checkpoint.step).collect();
+    assert_eq!(checkpoints, [0, 350, 410], "the first and the last two");
+    let names: Vec<String> = results(folder.path()).into_keys().collect();
+    assert!(names.contains(&"walls.vtkhdf".into()) && names.contains(&"frames/000009.vtkhdf".into()));
+    assert!(fs::read_to_string(folder.path().join("log.txt")).unwrap().contains("finished at step 410"));
+}
+
+#[test]
+fn a_run_that_was_interrupted_and_resumed_is_the_same_to_the_last_byte() {
+    let (straight, broken) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run_new(straight.path(), 400);
+    let mut directory = RunDirectory::create(broken.path(), "", false).unwrap();
+    directory.set_contents(common::contents());
+    let mut watcher = Stopper { after: 23 };
+    let outcome = run(simulation(state()), &mut directory, &schedule(400), &mut watcher).unwrap();
+    drop(directory);
+    let Outcome::Interrupted { step } = outcome else { panic!("it was to stop") };
+    assert_eq!(load_final_state(broken.path()).unwrap().state.step, step);
+    run_on(broken.path(), 400);
+    assert_same_results(straight.path(), broken.path());
+    let hashes = [&straight, &broken].map(|run| load_final_state(run.path()).unwrap().state.hash());
+    assert_eq!(hashes[0], hashes[1]);
+}
+
+/// Stops as soon as so many steps are done; the notes come at every frame, so it stops long before the end.
+struct Stopper {
+    after: u64,
+}
+impl Observer for Stopper {
+    fn progress(&mut self, progress: &Progress) -> Control {
+        if progress.step >= self.after { Control::Stop } else { Control::Continue }
+    }
+    fn note(&mut self, note: &Note) {
+        // Slow enough that the observer is asked again before the run is over.
+        if matches!(note, Note::Frame { .. }) {
+            std::thread::sleep(Duration::from_millis(160));
+        }
+    }
+}
+
+#[test]
+fn a_run_that_goes_on_after_its_end_looks_as_if_it_had_never_ended() {
+    let (straight, extended) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run_new(straight.path(), 300);
+    run_new(extended.path(), 133);
+    run_on(extended.path(), 300);
+    assert_same_results(straight.path(), extended.path());
+}
+
+#[test]
+fn resuming_a_finished_run_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    run_new(folder.path(), 133);
+    let before = results(folder.path());
+    run_on(folder.path(), 133);
+    assert!(before == results(folder.path()));
+}
+
+#[test]
+fn what_came_after_the_checkpoint_is_computed_again() {
+    let (straight, broken) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run_new(straight.path(), 400);
+    run_new(broken.path(), 400);
+    for checkpoint in tdem_results::info(broken.path()).unwrap().checkpoints {
+        if checkpoint.step > 0 {
+            fs::remove_file(checkpoint.path).unwrap();
+        }
+    }
+    let resumed = RunDirectory::open(broken.path()).unwrap();
+    assert_eq!(resumed.state.as_ref().map(|state| state.step), Some(0));
+    assert_eq!((resumed.directory.last_frame(), resumed.directory.last_row()), (Some(0), Some(0)));
+    drop(resumed);
+    run_on(broken.path(), 400);
+    assert_same_results(straight.path(), broken.path());
+}
+
+#[test]
+fn a_fault_names_the_last_good_checkpoint_and_keeps_the_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut directory = RunDirectory::create(folder.path(), "", false).unwrap();
+    let mut state = state();
+    state.velocity[7] = [0.0, 0.0, 100.0];
+    let error = run(simulation(state), &mut directory, &schedule(100_000), &mut Watcher::default()).unwrap_err();
+    drop(directory);
+    let RunError::Fault { checkpoint, path, .. } = &error else { panic!("{error}") };
+    assert_eq!(path, folder.path());
+    assert_eq!(load_final_state(folder.path()).unwrap().state.step, *checkpoint);
+    assert!(error.to_string().contains("the last good checkpoint is of step"));
+    assert!(tdem_results::info(folder.path()).unwrap().frames.len() as u64 > checkpoint / 50);
+    assert!(fs::read_to_string(folder.path().join("log.txt")).unwrap().lines().count() >= 2);
+}
+
+#[test]
+fn the_observer_is_asked_several_times_a_second_and_sees_the_pace() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut directory = RunDirectory::create(folder.path(), "", false).unwrap();
+    let schedule = Schedule { steps: u64::MAX, checkpoint_interval_secs: 0.3, ..Schedule::default() };
+    let mut watcher = Impatient { began: std::time::Instant::now(), seen: Vec::new(), checkpoints: 0 };
+    let outcome = run(simulation(state()), &mut directory, &schedule, &mut watcher).unwrap();
+    let Outcome::Interrupted { step } = outcome else { panic!("it was to stop") };
+    assert_eq!(directory.last_checkpoint(), Some(step));
+    assert!(watcher.seen.len() >= 3, "{}", watcher.seen.len());
+    assert!(watcher.checkpoints >= 3, "by the clock, and at the end");
+    let last = watcher.seen.last().unwrap();
+    assert!(last.cundall_number > 0.0 && last.time_left.is_some());
+}
+
+struct Impatient {
+    began: std::time::Instant,
+    seen: Vec<Progress>,
+    checkpoints: usize,
+}
+impl Observer for Impatient {
+    fn progress(&mut self, progress: &Progress) -> Control {
+        self.seen.push(*progress);
+        if self.began.elapsed() > Duration::from_millis(1500) { Control::Stop } else { Control::Continue }
+    }
+    fn note(&mut self, note: &Note) {
+        self.checkpoints += usize::from(matches!(note, Note::Checkpoint { .. }));
+    }
+}

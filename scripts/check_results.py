@@ -1,0 +1,208 @@
+"""Reads a run with VTK and h5py, and checks that both see what was computed.
+
+    python -m pip install vtk h5py numpy
+    python scripts/check_results.py RUN [RUN ...]
+
+Every instant of every master, of every packed file and every single frame is read. Exit code 1 and a line per
+finding if anything is wrong.
+"""
+
+import csv
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+SINGLE = 1e-5  # relative: numbers in frames have 24 bits, and sums of many of them a little less
+
+
+class Findings:
+    def __init__(self):
+        self.count = 0
+        self.checks = 0
+
+    def check(self, holds, text):
+        self.checks += 1
+        if not holds:
+            self.count += 1
+            print(f"WRONG: {text}")
+
+    def close(self, found, expected, scale, text):
+        self.check(abs(found - expected) <= SINGLE * max(abs(scale), 1e-30), f"{text}: {found} instead of {expected}")
+
+
+def read_history(path):
+    with open(path, newline="") as file:
+        return {int(row["step"]): {name: float(value) for name, value in row.items()} for row in csv.DictReader(file)}
+
+
+def read_frame(path):
+    """Arrays of a frame by block, as h5py sees them."""
+    with h5py.File(path) as file:
+        frame = {"step": int(file["tdem/step"][0]), "time": float(file["tdem/time"][0]), "blocks": {}, "path": path}
+        for name in file["tdem/fixed"]:
+            group = file["VTKHDF"][name]
+            frame["blocks"][name] = {
+                "points": group["Points"][...],
+                "connectivity": {kind: group[kind]["Connectivity"][...] for kind in ("Vertices", "Lines", "Polygons")},
+                "point": {field: data[...] for field, data in group["PointData"].items()},
+                "cell": {field: data[...] for field, data in group["CellData"].items()},
+                "units": {field: data.attrs.get("unit") for kind in ("PointData", "CellData") for field, data in group[kind].items()},
+            }
+        return frame
+
+
+def check_labels(findings, frame):
+    for name, block in frame["blocks"].items():
+        for field, unit in block["units"].items():
+            findings.check(unit is not None, f"{frame['path']}: {name}/{field} has no unit")
+        rows = {"point": len(block["points"]), "cell": None}
+        for place, fields in (("point", block["point"]), ("cell", block["cell"])):
+            lengths = {len(values) for values in fields.values()}
+            expected = rows[place]
+            findings.check(len(lengths) <= 1, f"{frame['path']}: {name} has {place} fields of lengths {lengths}")
+            if expected is not None and lengths:
+                findings.check(lengths == {expected}, f"{frame['path']}: {name} has {lengths} values for {expected} points")
+
+
+def same_arrays(findings, where, data, fields):
+    """VTK's arrays against those of the frame, bit by bit."""
+    names = {data.GetArrayName(index) for index in range(data.GetNumberOfArrays())}
+    findings.check(names == set(fields), f"{where}: arrays {sorted(names)} instead of {sorted(fields)}")
+    for name in names & set(fields):
+        array = data.GetArray(name)
+        if array.GetNumberOfTuples() == 0:
+            findings.check(len(fields[name]) == 0, f"{where}: {name} is empty")
+            continue
+        found = vtk_to_numpy(array)
+        findings.check(np.array_equal(found, fields[name], equal_nan=True), f"{where}: {name} differs")
+
+
+def same_block(findings, where, data, block):
+    points = vtk_to_numpy(data.GetPoints().GetData()) if data.GetNumberOfPoints() else np.empty((0, 3))
+    findings.check(np.array_equal(points, block["points"]), f"{where}: points differ")
+    for kind, cells in (("Vertices", data.GetVerts()), ("Lines", data.GetLines()), ("Polygons", data.GetPolys())):
+        found = vtk_to_numpy(cells.GetConnectivityArray()) if cells.GetNumberOfCells() else np.empty(0, int)
+        findings.check(np.array_equal(found, block["connectivity"][kind]), f"{where}: {kind} differ")
+    same_arrays(findings, where, data.GetPointData(), block["point"])
+    same_arrays(findings, where, data.GetCellData(), block["cell"])
+
+
+def check_single_frame(findings, frame):
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(frame["path"]))
+    reader.Update()
+    collection = reader.GetOutputDataObject(0)
+    findings.check(collection.IsA("vtkPartitionedDataSetCollection"), f"{frame['path']}: a {collection.GetClassName()}")
+    for index in range(collection.GetNumberOfPartitionedDataSets()):
+        name = collection.GetMetaData(index).Get(vtk.vtkCompositeDataSet.NAME())
+        data = collection.GetPartitionedDataSet(index).GetPartition(0)
+        findings.check(name in frame["blocks"], f"{frame['path']}: unknown block {name}")
+        if name in frame["blocks"]:
+            same_block(findings, f"{frame['path']} {name}", data, frame["blocks"][name])
+
+
+def check_series(findings, path, frames):
+    """A master or a packed file, at every time, forwards and then at random."""
+    name = path.stem
+    instants = [frame for frame in frames if name in frame["blocks"]]
+    reader = vtk.vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()) or ()
+    findings.check(list(times) == [frame["time"] for frame in instants], f"{path}: times are {times}")
+    order = list(range(len(instants)))
+    order += list(np.random.default_rng(1).permutation(len(instants))[:10])
+    for index in order:
+        frame = instants[index]
+        reader.UpdateTimeStep(frame["time"])
+        same_block(findings, f"{path} at {frame['time']} s", reader.GetOutputDataObject(0), frame["blocks"][name])
+    with h5py.File(path) as file:
+        for place in ("point", "cell"):
+            for field, data in file["VTKHDF"][f"{place.title()}Data"].items():
+                expected = np.concatenate([frame["blocks"][name][place][field] for frame in instants])
+                findings.check(np.array_equal(data[...], expected, equal_nan=True), f"{path}: h5py reads another {field}")
+                findings.check("unit" in data.attrs, f"{path}: {field} has no unit")
+
+
+def check_physics(findings, frame, row):
+    """Numbers of a frame against the row of the history of the same step."""
+    where = f"step {frame['step']}"
+    particles = frame["blocks"]["particles"]["point"]
+    mass, velocity = particles["mass"].astype(float), particles["velocity"].astype(float)
+    kinetic = 0.5 * float(np.sum(mass * np.sum(velocity**2, axis=1)))
+    findings.close(kinetic, row["kinetic_translation"], row["kinetic_translation"], f"{where}: kinetic energy")
+    findings.close(np.sqrt(np.sum(velocity**2, axis=1)).max(), row["largest_speed"], row["largest_speed"], f"{where}: speed")
+    findings.close(frame["time"], row["time"], 1.0, f"{where}: time")
+    findings.check(particles["coordination_number"].sum() == 2 * row["contacts"], f"{where}: coordination numbers")
+    walls = frame["blocks"]["walls"]["cell"]
+    findings.check(walls["touching"].sum() == row["wall_contacts"], f"{where}: wall contacts")
+    total = walls["force"].astype(float).sum(axis=0) if len(walls["force"]) else np.zeros(3)
+    scale = np.abs(walls["force"]).sum() if len(walls["force"]) else 1.0
+    for axis, name in enumerate("xyz"):
+        findings.close(total[axis], row[f"wall_force_{name}"], scale, f"{where}: force on walls along {name}")
+
+    if "contacts" in frame["blocks"]:
+        contacts = frame["blocks"]["contacts"]
+        count = row["contacts"] + row["wall_contacts"]
+        findings.check(len(contacts["points"]) == 2 * count, f"{where}: number of contacts")
+        # A line that crossed the box instead of its seam would be far longer than two radii.
+        ends = contacts["points"].astype(float).reshape(-1, 2, 3)
+        length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+        radius = dict(zip(particles["id"], particles["radius"].astype(float)))
+        first, second = contacts["cell"]["first"], contacts["cell"]["second"]
+        reach = np.array([radius[a] + (radius[b] if b >= 0 else 0.0) for a, b in zip(first, second)])
+        wrong = np.abs(length + contacts["cell"]["overlap"] - reach) > 1e-4 * np.maximum(reach, 1e-30)
+        findings.check(not wrong.any(), f"{where}: {wrong.sum()} contact lines are not as long as their spheres ask")
+
+
+def check_displacement(findings, frames):
+    """Steps of the displacement are those of the position, but for whole boxes where the domain repeats."""
+    first = frames[0]["blocks"]["particles"]
+    findings.check(not np.any(first["point"]["displacement"]), "displacements do not begin at zero")
+    for before, after in zip(frames, frames[1:]):
+        before, after = before["blocks"]["particles"], after["blocks"]["particles"]
+        moved = after["points"].astype(float) - before["points"].astype(float)
+        way = after["point"]["displacement"].astype(float) - before["point"]["displacement"].astype(float)
+        jump = np.abs(moved - way)
+        size = np.ptp(first["points"], axis=0).max()
+        findings.check(bool(np.all((jump < 1e-5 * size) | (jump > 0.5 * size))), "displacements and positions disagree")
+
+
+def check_run(findings, run):
+    frames = [read_frame(path) for path in sorted((run / "frames").glob("*.vtkhdf"))]
+    history = read_history(run / "history.csv")
+    findings.check(len(frames) > 0, f"{run}: no frames")
+    findings.check(list(history) == sorted(history), f"{run}: history is not ascending")
+    for frame in frames:
+        check_labels(findings, frame)
+        check_single_frame(findings, frame)
+        if frame["step"] in history:
+            check_physics(findings, frame, history[frame["step"]])
+    check_displacement(findings, frames)
+    names = sorted({name for frame in frames for name in frame["blocks"]})
+    masters = sorted(run.glob("*.vtkhdf"))
+    findings.check([path.stem for path in masters] == names, f"{run}: masters {masters} for blocks {names}")
+    for path in masters + sorted((run / "packed").glob("*.vtkhdf")):
+        check_series(findings, path, frames)
+    rows = sum(frame["step"] in history for frame in frames)
+    print(f"{run}: {len(frames)} frames, {len(history)} rows of history, {rows} compared, blocks {', '.join(names)}")
+
+
+def main():
+    runs = [Path(argument) for argument in sys.argv[1:]]
+    if not runs:
+        sys.exit(__doc__)
+    print(f"VTK {vtk.vtkVersion().GetVTKVersion()}, h5py {h5py.__version__}")
+    findings = Findings()
+    for run in runs:
+        check_run(findings, run)
+    print(f"{findings.checks} checks, {findings.count} wrong")
+    sys.exit(1 if findings.count or not findings.checks else 0)
+
+
+if __name__ == "__main__":
+    main()
