@@ -45,7 +45,7 @@ fn a_wrong_law_is_caught() {
         ("contact/viscous-damping", wrong!(least_normal_force = 0.0)),
         ("contact/chung-ooi-4-aluminium-oxide", wrong!(tangential_stiffness *= 2.0 / 3.0)),
         ("contact/chung-ooi-4-aluminium-oxide", |plan| {
-            plan.law.friction = tdem_engine::physics::contact::Friction::Rescaled
+            plan.law.friction = tdem_engine::physics::contact::Friction::Rescaled;
         }),
         ("contact/sliding-impulse", wrong!(dynamic_friction *= 1.01)),
         ("contact/sliding-impulse", |plan| plan.law.moments = false),
