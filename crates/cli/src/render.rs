@@ -2,7 +2,10 @@
 
 use crate::console;
 use crate::units::counted;
-use miette::{Diagnostic, LabeledSpan, MietteHandler, MietteHandlerOpts, NamedSource, ReportHandler, SourceCode};
+use miette::{
+    Diagnostic, LabeledSpan, MietteError, MietteHandler, MietteHandlerOpts, MietteSpanContents, ReportHandler,
+    SourceCode, SourceSpan, SpanContents,
+};
 use std::fmt;
 use std::sync::Arc;
 use tdem_case::{Problem, Problems};
@@ -16,8 +19,36 @@ pub(crate) struct Report {
     severity: Severity,
     message: String,
     help: Option<String>,
-    source: Option<Arc<NamedSource<String>>>,
+    source: Option<Arc<Text>>,
     labels: Vec<LabeledSpan>,
+}
+
+/// The text of a case. It counts the lines of what is shown, where miette's own sources count those of the whole
+/// text, so that two labels far apart become two excerpts instead of one with everything between them.
+#[derive(Debug)]
+struct Text {
+    name: String,
+    text: String,
+}
+
+impl SourceCode for Text {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let found = self.text.read_span(span, lines_before, lines_after)?;
+        let lines = found.data().split(|&byte| byte == b'\n').count();
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            found.data(),
+            *found.span(),
+            found.line(),
+            found.column(),
+            lines,
+        )))
+    }
 }
 
 /// All there is to tell, when a command cannot do what it was asked for.
@@ -37,8 +68,8 @@ impl Report {
         self
     }
 
-    fn of_case(problem: &Problem, source: &Arc<NamedSource<String>>) -> Self {
-        let text = source.inner();
+    fn of_case(problem: &Problem, source: &Arc<Text>) -> Self {
+        let text = &source.text;
         let labels = problem.labels.iter().enumerate().map(|(index, label)| {
             let end = floor(text, label.span.end);
             let start = floor(text, label.span.start).min(end);
@@ -76,7 +107,7 @@ impl From<Report> for Reports {
 
 impl From<&Problems> for Reports {
     fn from(problems: &Problems) -> Self {
-        let source = Arc::new(NamedSource::new(&problems.source.name, problems.source.text.clone()));
+        let source = Arc::new(Text { name: problems.source.name.clone(), text: problems.source.text.clone() });
         Reports(problems.problems.iter().map(|problem| Report::of_case(problem, &source)).collect())
     }
 }
@@ -89,7 +120,8 @@ impl From<Problems> for Reports {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        let word = if self.severity == Severity::Warning { "warning" } else { "error" };
+        write!(f, "{word}: {}", self.message)
     }
 }
 

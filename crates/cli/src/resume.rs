@@ -39,6 +39,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         return Err(Error::NotARun { path: run.clone() }.into());
     }
     let loaded = cases::load(&case, &[])?;
+    arguments.machine.prepare()?;
     let built = cases::build(&loaded)?;
     let schedule = cases::schedule(&built.schedule, arguments.work.steps);
     let Resumed { mut directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
@@ -78,7 +79,6 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         Some(state) => state,
         None => built.state,
     };
-    arguments.machine.prepare()?;
     if !arguments.work.quiet {
         let from = if directory.last_checkpoint().is_some() {
             format!("goes on from the checkpoint of step {}", grouped(state.step))

@@ -49,9 +49,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if !arguments.overwrite && out.join("case.toml").exists() {
         return Err(Error::RunExists { path: out }.into());
     }
+    arguments.machine.prepare()?;
     let built = cases::build(&loaded)?;
     render::warn(&Reports::from(&built.warnings));
-    arguments.machine.prepare()?;
     let schedule = cases::schedule(&built.schedule, arguments.work.steps);
     if !arguments.work.quiet {
         say(summary::before(&loaded, &built, &schedule, &arguments.machine, &out));
