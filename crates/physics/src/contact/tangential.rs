@@ -36,9 +36,9 @@ pub struct Drag<R> {
 ///
 /// 1. the stored displacement is turned into the present plane of contact, keeping its length,
 /// 2. $\boldsymbol\delta \leftarrow \boldsymbol\delta + \mathbf v_t\Delta t$,
-/// 3. $\mathbf F_s = k_t\boldsymbol\delta + \gamma_tm^*\mathbf v_t$,
-/// 4. if $|\mathbf F_s|$ exceeds the stick limit $\mu_sF_n$: $\mathbf F_t = \mu_dF_n\,\mathbf F_s/|\mathbf F_s|$ and
-///    $\boldsymbol\delta = \mathbf F_t/k_t$, so that the spring stays on the cone and the dashpot rests while sliding.
+/// 3. if the spring $k_t\boldsymbol\delta$, or its sum with the dashpot $\gamma_tm^*\mathbf v_t$, exceeds the stick limit
+///    $\mu_sF_n$, the contact slides: $\boldsymbol\delta$ is shortened until $k_t|\boldsymbol\delta| \le \mu_dF_n$,
+/// 4. $\mathbf F_t = k_t\boldsymbol\delta + \gamma_tm^*\mathbf v_t$, shortened to $\mu_dF_n$ while sliding.
 ///
 /// With [`Friction::Rescaled`] a contact whose stiffness grows keeps its force: $\boldsymbol\delta$ shrinks by
 /// $k_{t,old}/k_t$ before step 2.
@@ -49,9 +49,11 @@ pub struct Drag<R> {
 /// | `stick_limit`, `slide_limit` | $\mu_sF_n$, $\mu_dF_n$ | N |
 ///
 /// # Numerics
-/// Were the dashpot kept while sliding, the spring would have to hold $\mathbf F_t - \gamma_tm^*\mathbf v_t$: in a grazing
-/// contact, where the cone and $k_t$ vanish but the dashpot does not, that displacement, and its energy, grow without
-/// bound (a packing dropped with the paper's $\gamma_t$ = 150 1/s gained half its kinetic energy so).
+/// The spring is brought to the cone by itself and is never stretched beyond what the surfaces did. To give it all of
+/// $\mathbf F_t$, or $\mathbf F_t$ less the dashpot, stretches it without bound at first touch, where $k_t$ vanishes but
+/// the dashpots of both directions do not: the energy booked then grows as the step falls (a packing dropped with the
+/// paper's $\gamma_t$ = 150 1/s gained half its kinetic energy so). For $\mu_s = \mu_d$ neither loss is ever negative,
+/// because shortening to the cone is a projection.
 ///
 /// Turning by projection and rescaling is first order in the angle of a step and needs no stored normal. The earlier
 /// stiffness is that of the overlap $h + v_n\Delta t$. The displacement form creates a little energy under
@@ -82,36 +84,41 @@ pub fn friction<R: Real>(
 
     let trial = (turned + velocity * step).named(["trial_x", "trial_y", "trial_z"]);
     let dashpot = (velocity * damping).named(["dashpot_x", "dashpot_y", "dashpot_z"]);
-    let sticking = (trial * stiffness + dashpot).named(["sticking_x", "sticking_y", "sticking_z"]);
-    let size_squared = sticking.dot(sticking).named("size_squared");
-    let slides = size_squared.gt(stick_limit * stick_limit);
-    let slide = Slide { size_squared, limit: slide_limit, stiffness };
+    let stretched = (trial * stiffness).named(["stretched_x", "stretched_y", "stretched_z"]);
+    let stretched_squared = stretched.dot(stretched).named("stretched_squared");
+    let sticking = (stretched + dashpot).named(["sticking_x", "sticking_y", "sticking_z"]);
+    let slides = stretched_squared.max(sticking.dot(sticking)).gt(stick_limit * stick_limit);
+    let slide = Slide { stretched_squared, dashpot, limit: slide_limit, stiffness };
     let (force, kept) = R::when(slides, (sticking, trial), slide);
     let force = force.named(["tangential_x", "tangential_y", "tangential_z"]);
     let kept = kept.named(["kept_x", "kept_y", "kept_z"]);
+    let spring = (kept * stiffness).named(["spring_x", "spring_y", "spring_z"]);
     Drag {
         force,
         displacement: kept,
         losses: Losses {
-            friction: force.dot(trial - kept),
-            damping: (force - kept * stiffness).dot(kept - turned),
+            friction: spring.dot(trial - kept),
+            damping: (force - spring).dot(trial - turned),
             stiffening,
         },
     }
 }
 
-/// Step 4: force and displacement on the cone.
+/// Steps 3 and 4 while sliding: first the spring is brought to the cone, then its sum with the dashpot.
 struct Slide<R> {
-    size_squared: R,
+    stretched_squared: R,
+    dashpot: Vec3<R>,
     limit: R,
     stiffness: R,
 }
 
 impl<R: Real> Branch<(Vec3<R>, Vec3<R>)> for Slide<R> {
     #[inline(always)]
-    fn taken(self, (sticking, _): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
-        let sliding = sticking * (self.limit / self.size_squared.sqrt());
-        (sliding, sliding * (R::lit(1.0) / self.stiffness))
+    fn taken(self, (_, trial): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
+        let one = R::lit(1.0);
+        let kept = trial * (self.limit / self.stretched_squared.sqrt()).min(one);
+        let sum = kept * self.stiffness + self.dashpot;
+        (sum * (self.limit / sum.dot(sum).sqrt()).min(one), kept)
     }
 }
 
@@ -151,6 +158,22 @@ mod tests {
         assert!((drag.force.x - slide).abs() < 1e-12);
         assert!((drag.displacement.x - 0.8e-6).abs() < 1e-18);
         assert!((drag.losses.friction - 0.8 * 1.2e-6).abs() < 1e-18);
+    }
+
+    #[test]
+    fn a_dashpot_beyond_the_limit_does_not_stretch_the_spring() {
+        // First touch: the spring has no stiffness yet, the dashpot is far beyond the limit.
+        let touch = Shear { stiffness: 1.0, damping: 10.0, ..shear(1.0) };
+        let drag = friction(Friction::Displacement, &touch, Vec3::zero(), 0.5, 0.5);
+        assert!((drag.force.x - 0.5).abs() < 1e-15);
+        assert_eq!(drag.displacement.x, 1e-6, "the spring follows the surfaces");
+        assert!(drag.losses.friction == 0.0 && drag.losses.damping > 0.0);
+        // A stretched spring against an opposing dashpot: the spring comes back to the cone and friction dissipates.
+        let back = Shear { damping: 0.7, ..shear(-1.0) };
+        let drag = friction(Friction::Displacement, &back, vec3(3e-6, 0.0, 0.0), 1.0, 1.0);
+        assert!((drag.displacement.x - 1e-6).abs() < 1e-18);
+        assert!((drag.force.x - 0.3).abs() < 1e-12);
+        assert!(drag.losses.friction > 0.0 && drag.losses.damping > 0.0);
     }
 
     #[test]

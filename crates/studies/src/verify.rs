@@ -1,0 +1,205 @@
+//! The verification catalogue: each case is physics run by the engine and judged against something known.
+//!
+//! A case is written once and takes the back end that runs it. [`catalogue`] lists all cases, [`run`] runs one,
+//! [`table`] and [`markdown`] show what came out. Nothing here prints.
+//!
+//! # Example
+//! ```
+//! use tdem_studies::verify::{Backend, catalogue, run};
+//! let cases = catalogue();
+//! let case = cases.iter().find(|c| c.name == "plane/free-fall").expect("a case of that name");
+//! let outcome = run(case, Backend::CpuLanes);
+//! assert!(outcome.passed());
+//! ```
+
+mod bulk;
+mod conservation;
+mod format;
+mod impact;
+mod impulse;
+mod incline;
+mod integrators;
+mod oblique;
+mod plane;
+mod scene;
+mod search;
+mod spring;
+mod stability;
+
+pub use format::{markdown, table};
+
+use scene::Bench;
+use std::time::Instant;
+use tdem_engine::{Fault, Plan};
+
+/// When a case is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Tier {
+    /// Under the tests, on every back end: seconds in all.
+    Quick,
+    /// Before a release: minutes in all.
+    Full,
+}
+
+/// One entry of the catalogue.
+#[derive(Clone, Copy)]
+pub struct Case {
+    /// Group and name, `contact/chung-ooi-4-aluminium-oxide`.
+    pub name: &'static str,
+    /// When it is run.
+    pub tier: Tier,
+    /// Where the expected values come from.
+    pub source: &'static str,
+    /// What happens and what is looked at.
+    pub about: &'static str,
+    /// The case itself.
+    body: fn(&mut Bench) -> Result<(), Fault>,
+}
+
+impl std::fmt::Debug for Case {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Case").field("name", &self.name).field("tier", &self.tier).finish_non_exhaustive()
+    }
+}
+
+impl Case {
+    /// What stands before the slash of the name.
+    #[must_use]
+    pub fn group(&self) -> &'static str {
+        self.name.split_once('/').map_or(self.name, |(group, _)| group)
+    }
+}
+
+/// How far a value may be from what is expected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// In the unit of the value.
+    Absolute(f64),
+    /// As a fraction of the expected value.
+    Relative(f64),
+    /// The expected value is the largest allowed.
+    AtMost,
+    /// The expected value is the least allowed.
+    AtLeast,
+}
+
+/// What an expected value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The solution of the model's equations, on paper.
+    ClosedForm,
+    /// Printed or plotted in the literature.
+    Published,
+    /// Computed by a program that shares nothing with the engine.
+    Reference,
+    /// How fast an error falls with the step.
+    Order,
+    /// What the laws of motion keep.
+    Conservation,
+    /// What may not depend on how the machine works or how space is turned.
+    Invariance,
+    /// What random packings show within their scatter.
+    Statistical,
+}
+
+/// One judged value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// The quantity.
+    pub what: String,
+    /// Its unit, `1` for numbers.
+    pub unit: &'static str,
+    /// What it should be.
+    pub expected: f64,
+    /// What the engine computed.
+    pub got: f64,
+    /// How far the two may be apart.
+    pub tolerance: Tolerance,
+    /// What the expected value is.
+    pub kind: Kind,
+    /// The verdict.
+    pub passed: bool,
+}
+
+/// What a case gave.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The case.
+    pub case: Case,
+    /// Where it ran.
+    pub backend: Backend,
+    /// Its judged values.
+    pub checks: Vec<Check>,
+    /// What stopped it before its end; such a case has failed.
+    pub fault: Option<Fault>,
+    /// A hash of its final states, equal on every back end; absent where a case keeps no state.
+    pub hash: Option<u128>,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+}
+
+impl Outcome {
+    /// Whether it reached its end, judged something, and every value is within its tolerance.
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.fault.is_none() && !self.checks.is_empty() && self.checks.iter().all(|check| check.passed)
+    }
+}
+
+/// Who computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Backend {
+    /// The CPU, contacts one by one, each pair from both sides: the plain reference.
+    CpuScalar,
+    /// The CPU, contacts eight at a time, each pair once.
+    CpuLanes,
+}
+
+impl Backend {
+    /// All back ends.
+    pub const ALL: [Backend; 2] = [Backend::CpuScalar, Backend::CpuLanes];
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::CpuScalar => "cpu",
+            Backend::CpuLanes => "cpu with lanes",
+        }
+    }
+}
+
+/// All cases, group by group.
+#[must_use]
+pub fn catalogue() -> Vec<Case> {
+    [
+        impact::CASES,
+        oblique::CASES,
+        impulse::CASES,
+        plane::CASES,
+        incline::CASES,
+        spring::CASES,
+        conservation::CASES,
+        integrators::CASES,
+        stability::CASES,
+        search::CASES,
+        bulk::CASES,
+    ]
+    .concat()
+}
+
+/// Runs one case.
+#[must_use]
+pub fn run(case: &Case, backend: Backend) -> Outcome {
+    run_altered(case, backend, |_| ())
+}
+
+/// Runs one case with every plan changed before the engine sees it: to show that a wrong law is caught.
+#[must_use]
+pub fn run_altered(case: &Case, backend: Backend, alter: fn(&mut Plan)) -> Outcome {
+    let start = Instant::now();
+    let mut bench = Bench::new(backend, alter);
+    let fault = (case.body)(&mut bench).err();
+    let (checks, hash) = bench.finish();
+    Outcome { case: *case, backend, checks, fault, hash, seconds: start.elapsed().as_secs_f64() }
+}
