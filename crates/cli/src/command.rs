@@ -1,6 +1,6 @@
 //! What stands on the command line, and who answers it.
 
-use crate::{check, console, info, new, pack, picture, render, resume, run, shell};
+use crate::{check, console, info, new, pack, picture, render, resume, run, shell, verify};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -46,6 +46,8 @@ enum Command {
     Pack(pack::Arguments),
     /// Draw the last state of a run as a PNG file
     Picture(picture::Arguments),
+    /// Compare the engine with closed forms and published values
+    Verify(verify::Arguments),
     /// Print the JSON schema of case files, for editors
     Schema,
     /// Print completions for a shell
@@ -64,6 +66,7 @@ pub(crate) fn main() -> ExitCode {
         Command::New(arguments) => new::execute(&arguments),
         Command::Pack(arguments) => pack::execute(&arguments),
         Command::Picture(arguments) => picture::execute(&arguments),
+        Command::Verify(arguments) => verify::execute(&arguments),
         Command::Schema => shell::schema(),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::man(&arguments),

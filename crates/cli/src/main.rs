@@ -18,6 +18,7 @@ mod shell;
 mod signals;
 mod summary;
 mod units;
+mod verify;
 mod work;
 
 use std::process::ExitCode;

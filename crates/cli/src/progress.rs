@@ -79,7 +79,7 @@ fn bar() -> ProgressBar {
 /// The quantities that matter, the most wanted first: a narrow terminal cuts off the rest.
 fn line(progress: &Progress) -> String {
     let mut line = String::new();
-    if let Some(left) = progress.time_left {
+    if let Some(left) = progress.time_left.filter(|_| progress.step < progress.steps) {
         let _ = write!(line, "{} left  ", clock(left));
     }
     let _ = write!(line, "t {}/{} s  ", number(progress.time, 3), number(progress.end_time, 3));

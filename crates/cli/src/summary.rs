@@ -109,16 +109,16 @@ fn energy_error(ledger: &Ledger) -> String {
 /// What a run left on the disk, and what to do with it.
 fn files(run: &Path) -> String {
     let mut text = format!("Files in {}:\n", argument(run));
+    let mut file = |name: &str, what: &str| text += &format!("  {name:<31} {what}\n");
     // A run that cannot be looked at has already said why.
     if let Ok(info) = info(run)
         && !info.frames.is_empty()
     {
         let masters: Vec<String> = info.blocks.iter().map(|block| format!("{block}.vtkhdf")).collect();
-        text += &entry(
-            masters.join(", "),
-            format!("{}; open them in ParaView and press Apply", counted(info.frames.len() as u64, "frame")),
-        );
+        let frames = counted(info.frames.len() as u64, "frame");
+        file(&masters.join(", "), &format!("{frames}; open them in ParaView and press Apply"));
     }
-    text += &entry("history.csv", "energies and contacts over time");
-    text + &entry("checkpoints/", "complete states, for `tdem resume` and `tdem picture`")
+    file("history.csv", "energies and contacts over time");
+    file("checkpoints/", "complete states, for `tdem resume` and `tdem picture`");
+    text
 }
