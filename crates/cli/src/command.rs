@@ -1,6 +1,6 @@
 //! What stands on the command line, and who answers it.
 
-use crate::{check, console, info, new, pack, picture, render, resume, run, shell, verify};
+use crate::{bench, check, console, info, new, pack, picture, render, resume, run, shell, verify};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -48,6 +48,8 @@ enum Command {
     Picture(picture::Arguments),
     /// Compare the engine with closed forms and published values
     Verify(verify::Arguments),
+    /// Measure how fast this machine is
+    Bench(bench::Arguments),
     /// Print the JSON schema of case files, for editors
     Schema,
     /// Print completions for a shell
@@ -67,6 +69,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Pack(arguments) => pack::execute(&arguments),
         Command::Picture(arguments) => picture::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
+        Command::Bench(arguments) => bench::execute(&arguments),
         Command::Schema => shell::schema(),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::man(&arguments),

@@ -1,5 +1,6 @@
 //! `tdem`, the command: runs cases, goes on with runs, and looks at what they left.
 
+mod bench;
 mod cases;
 mod check;
 mod command;

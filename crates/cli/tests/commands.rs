@@ -43,7 +43,11 @@ fn a_run_can_be_looked_at_and_sent() {
     let info = room.tdem(&["info", "runs/case"]).exits(0);
     assert!(info.out.contains("150 particles"), "{}", info.out);
     let packed = room.tdem(&["pack", "runs/case"]).exits(0);
-    assert!(packed.out.lines().count() == 2 && packed.out.lines().all(|file| room.path(file).exists()), "{}", packed.out);
+    assert!(
+        packed.out.lines().count() == 2 && packed.out.lines().all(|file| room.path(file).exists()),
+        "{}",
+        packed.out
+    );
     let picture = room.tdem(&["picture", "runs/case", "--size", "80x60"]).exits(0);
     let bytes = std::fs::read(room.path(picture.out.trim())).unwrap();
     assert!(bytes.starts_with(b"\x89PNG"));
@@ -60,7 +64,9 @@ fn a_run_begins_where_another_ended() {
     let room = Room::new();
     room.tdem(&["run", "case.toml", "--out", "first", "--steps", "300"]).exits(0);
     let group = "[particles.random]\ncount = 150\nradius = { min = 0.008, max = 0.012, distribution = \"number\" }\n";
-    let next = common::CASE.replace(group, "[particles.run]\ndirectory = \"first\"\n").replace("random_speed = [0.0, 0.5]\n", "");
+    let next = common::CASE
+        .replace(group, "[particles.run]\ndirectory = \"first\"\n")
+        .replace("random_speed = [0.0, 0.5]\n", "");
     room.write("next.toml", &next);
     room.tdem(&["run", "next.toml", "--steps", "20"]).exits(0);
     room.tdem(&["resume", "runs/next", "--steps", "40"]).exits(0);

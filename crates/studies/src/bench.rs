@@ -1,0 +1,175 @@
+//! How fast the engine is, as data: particle-steps per second (the Cundall number) and bytes per particle.
+//!
+//! Speed is shown by files of measurements, not by timed tests: a test that fails when a machine is busy says nothing.
+
+use std::time::Instant;
+use tdem_engine::cpu::Options;
+use tdem_engine::physics::contact::{Interaction, Law};
+use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
+use tdem_engine::{Constraint, Domain, Fault, Integrator, Plan, Search, Simulation, State};
+
+/// The contact benchmark: a block of spheres on a face-centred cubic lattice, pressed together a little, all contacts
+/// present from the start. Material and dampings are those of the gravity packing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactBlock {
+    /// Which model.
+    pub law: Law,
+    /// Lattice cells per direction; four spheres each.
+    pub cells: [usize; 3],
+    /// Steps per measurement.
+    pub steps: u64,
+    /// Measurements; the best and the median are reported.
+    pub repeats: usize,
+    /// Whether dissipated energy is booked.
+    pub ledger: bool,
+}
+
+impl Default for ContactBlock {
+    /// 64,000 spheres, 100 steps: the case that other codes were measured with.
+    fn default() -> Self {
+        ContactBlock { law: Law::GNTM, cells: [20, 20, 40], steps: 100, repeats: 7, ledger: false }
+    }
+}
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Number of particles.
+    pub particles: usize,
+    /// Contacts per particle, each counted at both ends.
+    pub contacts_per_particle: f64,
+    /// Threads asked for.
+    pub threads: usize,
+    /// Steps per measurement.
+    pub steps: u64,
+    /// Particle-steps per second, best of all repeats.
+    pub best_rate: f64,
+    /// Particle-steps per second, median of all repeats.
+    pub median_rate: f64,
+    /// Bytes held for the run, all arrays together, per particle.
+    pub bytes_per_particle: f64,
+    /// Hash of the final state: the same on every machine.
+    pub hash: u128,
+}
+
+/// Radius of the spheres, m.
+const RADIUS: f64 = 0.01;
+/// Lattice constant over that of touching spheres.
+const SPACING: f64 = 0.999;
+/// Density, kg/m³.
+const DENSITY: f64 = 920.0;
+/// Largest component of the initial velocities, m/s.
+const AGITATION: f64 = 0.05;
+
+/// Measures the contact benchmark.
+///
+/// # Errors
+/// The [`Fault`] of a run that cannot go on; in this scene that would be a bug.
+pub fn contact(block: &ContactBlock, options: &Options) -> Result<Measurement, Fault> {
+    let state = lattice(block);
+    let particles = state.len();
+    let mut simulation = Simulation::new(state, plan(block), options)?;
+    // Page faults and the first list belong to the start, not to the rate.
+    simulation.advance(5)?;
+    let mut rates = Vec::with_capacity(block.repeats);
+    for _ in 0..block.repeats.max(1) {
+        let start = Instant::now();
+        simulation.advance(block.steps)?;
+        rates.push((particles as u64 * block.steps) as f64 / start.elapsed().as_secs_f64());
+    }
+    rates.sort_unstable_by(f64::total_cmp);
+    let state = simulation.state();
+    Ok(Measurement {
+        particles,
+        contacts_per_particle: 2.0 * state.contacts.len() as f64 / particles as f64,
+        threads: options.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)),
+        steps: block.steps,
+        best_rate: rates[rates.len() - 1],
+        median_rate: rates[rates.len() / 2],
+        bytes_per_particle: simulation.bytes() as f64 / particles as f64,
+        hash: state.hash(),
+    })
+}
+
+fn plan(block: &ContactBlock) -> Plan {
+    let plastic = Elastic { young_modulus: 9.33e6, poisson_ratio: 0.352 };
+    let interaction = Interaction {
+        normal_stiffness: 4.0 / 3.0 * young_modulus_eff(plastic, plastic),
+        tangential_stiffness: 8.0 * shear_modulus_eff(plastic, plastic),
+        normal_damping: 1500.0,
+        tangential_damping: 150.0,
+        static_friction: 1.0,
+        dynamic_friction: 1.0,
+        least_normal_force: 0.0,
+    };
+    Plan {
+        dt: 1e-6,
+        integrator: Integrator::VelocityVerlet,
+        law: block.law,
+        materials: 1,
+        interactions: vec![interaction],
+        walls: Vec::new(),
+        gravity: [0.0, 0.0, -9.81],
+        constraints: vec![Constraint::FREE],
+        domain: Domain { min: [-1e3; 3], max: [1e3; 3], periodic: [false; 3] },
+        search: Search { skin: 0.1 * RADIUS, every_step: false },
+        overlap_limit: 0.5,
+        ledger: block.ledger,
+    }
+}
+
+/// The block at rest but for small velocities that differ from sphere to sphere.
+fn lattice(block: &ContactBlock) -> State {
+    let [nx, ny, nz] = block.cells;
+    let constant = 2.0 * 2.0_f64.sqrt() * RADIUS * SPACING;
+    let basis = [[0.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]];
+    let mut position = Vec::with_capacity(4 * nx * ny * nz);
+    for cell in 0..nx * ny * nz {
+        let corner = [cell % nx, cell / nx % ny, cell / nx / ny];
+        for offset in basis {
+            position.push(std::array::from_fn(|k| (corner[k] as f64 + offset[k]) * constant));
+        }
+    }
+    let n = position.len();
+    let mass = 4.0 / 3.0 * std::f64::consts::PI * RADIUS * RADIUS * RADIUS * DENSITY;
+    State {
+        id: (0..n as u32).collect(),
+        material: vec![0; n],
+        constraint: vec![0; n],
+        radius: vec![RADIUS; n],
+        mass: vec![mass; n],
+        position,
+        image: vec![[0; 3]; n],
+        velocity: (0..n).map(agitation).collect(),
+        angular_velocity: vec![[0.0; 3]; n],
+        force: vec![[0.0; 3]; n],
+        moment: vec![[0.0; 3]; n],
+        ..State::default()
+    }
+}
+
+/// A velocity for each particle, by a multiplicative hash of its number.
+fn agitation(particle: usize) -> [f64; 3] {
+    std::array::from_fn(|k| {
+        let hashed = (3 * particle + k + 1) as u64;
+        let hashed = hashed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let hashed = (hashed ^ hashed >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11;
+        AGITATION * (2.0 * hashed as f64 / (1_u64 << 53) as f64 - 1.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_block_touches_everywhere_and_its_result_does_not_depend_on_threads() {
+        let block = ContactBlock { cells: [6, 6, 6], steps: 20, repeats: 1, ..ContactBlock::default() };
+        let one = contact(&block, &Options { threads: Some(1), ..Options::default() }).unwrap();
+        let three = contact(&block, &Options { threads: Some(3), lanes: false, ..Options::default() }).unwrap();
+        assert_eq!(one.particles, 864);
+        assert!(one.contacts_per_particle > 9.0, "{one:?}");
+        assert_eq!(one.hash, three.hash);
+        assert!(one.bytes_per_particle < 800.0 && one.best_rate >= one.median_rate);
+    }
+}
