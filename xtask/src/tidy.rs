@@ -21,8 +21,8 @@ const UNSAFE: &[&str] = &["crates/engine/src/cpu/wide.rs", "crates/engine/src/gp
 /// The crate that prints.
 const PRINTS: &str = "crates/cli/";
 const PRINTING: &[&str] = &["println!", "print!", "dbg!", "stdout(", "stderr("];
-/// Stands where a measured number is still missing.
-const MISSING: &str = "TODO_NUMBER";
+/// Stand where a measured number or an address is still missing.
+const MISSING: &[&str] = &["TODO_NUMBER", "TODO_URL"];
 
 pub(crate) fn check(workspace: &Workspace) -> Result<(), Failure> {
     let mut findings = Vec::new();
@@ -90,8 +90,8 @@ fn source(file: &Path, text: &str, findings: &mut Vec<String>) {
 fn document(file: &Path, text: &str, files: &BTreeSet<PathBuf>, findings: &mut Vec<String>) {
     let shown = shown(file);
     for (number, line) in (1..).zip(text.lines()) {
-        if line.contains(MISSING) {
-            findings.push(format!("a number is still to be measured ({MISSING}): {shown}:{number}"));
+        for token in MISSING.iter().filter(|token| line.contains(**token)) {
+            findings.push(format!("{token} is still to be filled in: {shown}:{number}"));
         }
         let folder = file.parent().unwrap_or(Path::new(""));
         let links = links(line).map(|link| folder.join(link));
