@@ -11,6 +11,8 @@ pub struct Shear<R> {
     pub normal: Vec3<R>,
     /// $\mathbf v_t$, tangential velocity of the second surface relative to the first, m/s.
     pub velocity: Vec3<R>,
+    /// $\mathbf v_c$ at the end of the step, for the losses, m/s; its normal part does not matter.
+    pub settled_velocity: Vec3<R>,
     /// $k_t = c_tG^*\sqrt{R^*h}$, N/m.
     pub stiffness: R,
     /// $k_t$ at the overlap of the last step, N/m.
@@ -37,8 +39,8 @@ pub struct Drag<R> {
 /// 1. the stored displacement is turned into the present plane of contact, keeping its length,
 /// 2. $\boldsymbol\delta \leftarrow \boldsymbol\delta + \mathbf v_t\Delta t$,
 /// 3. $\mathbf F_s = k_t\boldsymbol\delta + \gamma_tm^*\mathbf v_t$,
-/// 4. if $|\mathbf F_s|$ exceeds the stick limit $\mu_sF_n$: $\mathbf F_t = \mu_dF_n\,\mathbf F_s/|\mathbf F_s|$ and
-///    $\boldsymbol\delta = \mathbf F_t/k_t$, so that the spring stays on the cone and the dashpot rests while sliding.
+/// 4. if $|\mathbf F_s|$ exceeds the stick limit $\mu_sF_n$: $\mathbf F_t = \mu_dF_n\,\mathbf F_s/|\mathbf F_s|$, and
+///    $\boldsymbol\delta$ shrinks until the spring alone is on the cone, if it is outside.
 ///
 /// With [`Friction::Rescaled`] a contact whose stiffness grows keeps its force: $\boldsymbol\delta$ shrinks by
 /// $k_{t,old}/k_t$ before step 2.
@@ -49,9 +51,10 @@ pub struct Drag<R> {
 /// | `stick_limit`, `slide_limit` | $\mu_sF_n$, $\mu_dF_n$ | N |
 ///
 /// # Numerics
-/// Were the dashpot kept while sliding, the spring would have to hold $\mathbf F_t - \gamma_tm^*\mathbf v_t$: in a grazing
-/// contact, where the cone and $k_t$ vanish but the dashpot does not, that displacement, and its energy, grow without
-/// bound (a packing dropped with the paper's $\gamma_t$ = 150 1/s gained half its kinetic energy so).
+/// Sliding never lengthens the spring. Were it to hold what the cone leaves after the dashpot,
+/// $(\mathbf F_t - \gamma_tm^*\mathbf v_t)/k_t$, then in a grazing contact, where cone and $k_t$ vanish but the dashpot does
+/// not, displacement and energy would grow without bound (a packing dropped with the paper's $\gamma_t$ = 150 1/s gained
+/// half its kinetic energy so).
 ///
 /// Turning by projection and rescaling is first order in the angle of a step and needs no stored normal. The earlier
 /// stiffness is that of the overlap $h + v_n\Delta t$. The displacement form creates a little energy under
@@ -68,7 +71,7 @@ pub fn friction<R: Real>(
     stick_limit: R,
     slide_limit: R,
 ) -> Drag<R> {
-    let &Shear { normal, velocity, stiffness, earlier_stiffness, damping, step } = shear;
+    let &Shear { normal, velocity, settled_velocity, stiffness, earlier_stiffness, damping, step } = shear;
     let half = R::lit(0.5);
 
     let turned = into_plane(displacement, normal);
@@ -89,14 +92,15 @@ pub fn friction<R: Real>(
     let (force, kept) = R::when(slides, (sticking, trial), slide);
     let force = force.named(["tangential_x", "tangential_y", "tangential_z"]);
     let kept = kept.named(["kept_x", "kept_y", "kept_z"]);
+
+    // Work of the force, less what the spring stored.
+    let stored = half * stiffness * (kept + turned).dot(kept - turned);
+    let lost = force.dot(settled_velocity) * step - stored;
+    let zero = R::lit(0.0);
     Drag {
         force,
         displacement: kept,
-        losses: Losses {
-            friction: force.dot(trial - kept),
-            damping: (force - kept * stiffness).dot(kept - turned),
-            stiffening,
-        },
+        losses: Losses { friction: R::select(slides, lost, zero), damping: R::select(slides, zero, lost), stiffening },
     }
 }
 
@@ -109,9 +113,10 @@ struct Slide<R> {
 
 impl<R: Real> Branch<(Vec3<R>, Vec3<R>)> for Slide<R> {
     #[inline(always)]
-    fn taken(self, (sticking, _): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
+    fn taken(self, (sticking, trial): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
         let sliding = sticking * (self.limit / self.size_squared.sqrt());
-        (sliding, sliding * (R::lit(1.0) / self.stiffness))
+        let spring = self.stiffness * trial.dot(trial).sqrt();
+        (sliding, trial * (self.limit / spring).min(R::lit(1.0)))
     }
 }
 
@@ -135,6 +140,7 @@ mod tests {
         Shear {
             normal: vec3(0.0, 0.0, 1.0),
             velocity: vec3(speed, 0.0, 0.0),
+            settled_velocity: vec3(speed, 0.0, 0.0),
             stiffness: 1e6,
             earlier_stiffness: 1e6,
             damping: 0.0,
@@ -150,7 +156,8 @@ mod tests {
         let drag = friction(Friction::Displacement, &shear(2.0), Vec3::zero(), stick, slide);
         assert!((drag.force.x - slide).abs() < 1e-12);
         assert!((drag.displacement.x - 0.8e-6).abs() < 1e-18);
-        assert!((drag.losses.friction - 0.8 * 1.2e-6).abs() < 1e-18);
+        // Work 0.8 N over 2 um, of which 0.5 * 1e6 N/m * (0.8 um)^2 is stored.
+        assert!((drag.losses.friction - (1.6e-6 - 0.32e-6)).abs() < 1e-18);
     }
 
     #[test]
