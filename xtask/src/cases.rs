@@ -1,6 +1,6 @@
 //! The cases of the repository, run by the program that users run, and what they wrote, read by other programs.
 
-use crate::command::{Failure, cargo, program_at};
+use crate::command::{Command, Failure, cargo, program_at};
 use crate::workspace::Workspace;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub(crate) fn read(workspace: &Workspace) -> Result<(), Failure> {
         return Err(Failure("there are no results to read; the part `cases` makes them".into()));
     }
     let script = program_at(python(workspace)?).argument(workspace.root.join("scripts/check_results.py"));
-    runs.iter().fold(script, |script, run| script.argument(run)).run()
+    runs.iter().fold(script, Command::argument).run()
 }
 
 /// A Python that has the readers, installed on first use.
@@ -49,7 +49,7 @@ fn python(workspace: &Workspace) -> Result<PathBuf, Failure> {
         let system = if cfg!(windows) { "python" } else { "python3" };
         program_at(system).argument("-m").argument("venv").argument(&environment).run()?;
         let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-        let install = pip.iter().chain(READERS).fold(program_at(&python), |pip, argument| pip.argument(argument));
+        let install = pip.iter().chain(READERS).fold(program_at(&python), Command::argument);
         install.run()?;
     }
     Ok(python)

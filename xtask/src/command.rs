@@ -26,7 +26,7 @@ pub(crate) fn cargo(arguments: &str) -> Command {
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = program_at(&program);
     command.shown = "cargo".into();
-    arguments.split_whitespace().fold(command, |command, argument| command.argument(argument))
+    arguments.split_whitespace().fold(command, Command::argument)
 }
 
 /// A program by its name or path.

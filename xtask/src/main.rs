@@ -9,6 +9,7 @@ mod tidy;
 mod workspace;
 
 use command::{Failure, cargo};
+use std::fmt::Write;
 use std::process::ExitCode;
 use std::time::Instant;
 use tests::Count;
@@ -69,7 +70,8 @@ fn usage() -> String {
          cargo xtask docs                   write docs/case-file.md and docs/outputs.md anew\n\nparts:\n",
     );
     for part in PARTS {
-        text += &format!("  {:<10} {}\n", part.name, part.what);
+        // A string takes whatever is written to it.
+        let _ = writeln!(text, "  {:<10} {}", part.name, part.what);
     }
     text
 }
