@@ -4,7 +4,7 @@
 mod cases;
 mod command;
 mod licences;
-mod tests;
+mod suite;
 mod tidy;
 mod workspace;
 
@@ -12,7 +12,7 @@ use command::{Failure, cargo};
 use std::fmt::Write;
 use std::process::ExitCode;
 use std::time::Instant;
-use tests::Count;
+use suite::Count;
 use workspace::Workspace;
 
 /// A part of CI.
@@ -39,8 +39,8 @@ const PARTS: &[Part] = &[
     },
     Part { name: "cases", what: "every case runs", run: |w, _| cases::run(w) },
     Part { name: "readers", what: "VTK and h5py read what the cases wrote", run: |w, _| cases::read(w) },
-    Part { name: "doctests", what: "examples in the documentation", run: |_, count| tests::examples(count) },
-    Part { name: "tests", what: "tests", run: |_, count| tests::all(count) },
+    Part { name: "doctests", what: "examples in the documentation", run: |_, count| suite::examples(count) },
+    Part { name: "tests", what: "tests", run: |_, count| suite::all(count) },
 ];
 
 fn main() -> ExitCode {

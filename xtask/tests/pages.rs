@@ -1,6 +1,7 @@
 //! The pages that are generated from the program say what the program says. `cargo xtask docs` writes them anew.
 
 use serde_json::{Map, Value};
+// Strings take whatever is written to them: results of `write!` are not looked at.
 use std::fmt::Write;
 use std::path::Path;
 use tdem_results::glossary::{Entry, Place};
@@ -18,7 +19,7 @@ fn the_page_on_outputs_is_up_to_date() {
 fn up_to_date(name: &str, text: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);
     if std::env::var_os("WRITE_PAGES").is_some() {
-        std::fs::write(path, text).unwrap();
+        std::fs::write(path, text).expect("docs can be written");
     } else {
         let written = std::fs::read_to_string(path).unwrap_or_default().replace("\r\n", "\n");
         assert!(written == text, "docs/{name} is out of date: run `cargo xtask docs`");
@@ -40,9 +41,9 @@ fn outputs() -> String {
             Place::Walls => ("walls.vtkhdf", "one polygon per wall"),
             Place::History => ("history.csv", "one row per recorded step"),
         };
-        write!(page, "\n## {file}\n\n{what}\n\n| name | unit | components | meaning |\n|---|---|---|---|\n").unwrap();
+        let _ = write!(page, "\n## {file}\n\n{what}\n\n| name | unit | components | meaning |\n|---|---|---|---|\n");
         for Entry { name, unit, components, description, .. } in place.entries() {
-            writeln!(page, "| `{name}` | {unit} | {components} | {description} |").unwrap();
+            let _ = writeln!(page, "| `{name}` | {unit} | {components} | {description} |");
         }
     }
     page
@@ -64,7 +65,7 @@ fn case_file() -> String {
         }
         page += "\n## Values\n\n| type | what it is |\n|---|---|\n";
         for (name, definition) in definitions.iter().filter(|(_, definition)| simple(definition)) {
-            writeln!(page, "| `{name}` | {} |", value(definition)).unwrap();
+            let _ = writeln!(page, "| `{name}` | {} |", value(definition));
         }
     }
     page
@@ -77,7 +78,7 @@ fn simple(definition: &Value) -> bool {
 
 /// A section on one table of the case.
 fn table(page: &mut String, name: &str, definition: &Value) {
-    write!(page, "\n## {name}\n\n{}\n\n", text(definition)).unwrap();
+    let _ = write!(page, "\n## {name}\n\n{}\n\n", text(definition));
     *page += "| key | type | default | meaning |\n|---|---|---|---|\n";
     let none = Map::new();
     let required = |key: &str| definition["required"].as_array().is_some_and(|keys| keys.iter().any(|k| k == key));
@@ -88,7 +89,7 @@ fn table(page: &mut String, name: &str, definition: &Value) {
             Some(Value::Object(_)) => "see there".to_owned(),
             Some(default) => format!("`{default}`"),
         };
-        writeln!(page, "| `{key}` | {} | {default} | {} |", kind(property), text(property)).unwrap();
+        let _ = writeln!(page, "| `{key}` | {} | {default} | {} |", kind(property), text(property));
     }
 }
 
@@ -160,7 +161,7 @@ fn one_kind(word: &str, schema: &Value) -> String {
                 [("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<")]
             {
                 if let Some(limit) = schema.get(key).filter(|limit| limit.as_f64().is_some_and(|l| l.abs() < 1e9)) {
-                    write!(text, " {sign} {limit}").unwrap();
+                    let _ = write!(text, " {sign} {limit}");
                 }
             }
             text
