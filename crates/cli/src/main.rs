@@ -1,2 +1,28 @@
-//! tdem
-fn main() {}
+//! `tdem`, the command: runs cases, goes on with runs, and looks at what they left.
+
+mod cases;
+mod check;
+mod command;
+mod console;
+mod files;
+mod info;
+mod machine;
+mod new;
+mod pack;
+mod picture;
+mod progress;
+mod render;
+mod resume;
+mod run;
+mod shell;
+mod signals;
+mod summary;
+mod units;
+mod verify;
+mod work;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    command::main()
+}

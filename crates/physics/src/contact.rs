@@ -19,7 +19,7 @@ pub mod encounter;
 pub mod normal;
 pub mod tangential;
 
-pub use encounter::{Encounter, Period, Sphere, Touch, touch_spheres, touch_wall};
+pub use encounter::{Encounter, Kick, Period, Sphere, Touch, touch_spheres, touch_wall};
 
 use crate::{Real, Vec3};
 
@@ -132,7 +132,7 @@ pub fn respond<R: Real>(
     interaction: &Interaction<R>,
     step: R,
 ) -> Response<R> {
-    let &Encounter { normal, overlap, relative_velocity, radius_eff, mass_eff } = encounter;
+    let &Encounter { normal, overlap, relative_velocity, settled_velocity, radius_eff, mass_eff } = encounter;
     let contact_radius = (radius_eff * overlap).sqrt().named("contact_radius");
     let normal_speed = relative_velocity.dot(normal).named("normal_speed");
 
@@ -146,7 +146,7 @@ pub fn respond<R: Real>(
     };
     // In this order a force that is not a number stays one, and the fault is found.
     let normal_force = interaction.least_normal_force.max(elastic + viscous).named("normal_force");
-    let normal_loss = (elastic - normal_force) * normal_speed * step;
+    let normal_loss = (elastic - normal_force) * settled_velocity.dot(normal) * step;
 
     if law.friction == Friction::Off {
         let zero = R::lit(0.0);
@@ -161,6 +161,7 @@ pub fn respond<R: Real>(
     let shear = tangential::Shear {
         normal,
         velocity: (relative_velocity - normal * normal_speed).named(["shear_x", "shear_y", "shear_z"]),
+        settled_velocity,
         stiffness: (interaction.tangential_stiffness * contact_radius).named("stiffness"),
         earlier_stiffness: (interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt())
             .named("earlier_stiffness"),

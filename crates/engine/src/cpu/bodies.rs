@@ -55,6 +55,10 @@ pub(crate) struct Bodies {
     pub(crate) derivatives: Vec<[[f64; 3]; 4]>,
     /// Optional.
     pub(crate) accounts: Vec<[f64; 4]>,
+    /// How the last half kick changed the velocity, m/s; optional, for the ledger.
+    pub(crate) kick: Vec<Quad>,
+    /// How it changed the angular velocity, rad/s; optional, for the ledger.
+    pub(crate) twist: Vec<Quad>,
 }
 
 impl Bodies {
@@ -89,6 +93,8 @@ impl Bodies {
                 (true, true) => vec![[0.0; 4]; n],
                 (true, false) => state.accounts.clone(),
             },
+            kick: vec![Quad::default(); if plan.ledger && !gear { n } else { 0 }],
+            twist: vec![Quad::default(); if plan.ledger && !gear && plan.law.moments { n } else { 0 }],
         }
     }
 
@@ -114,6 +120,8 @@ impl Bodies {
         take(&mut self.image, order);
         take(&mut self.derivatives, order);
         take(&mut self.accounts, order);
+        take(&mut self.kick, order);
+        take(&mut self.twist, order);
     }
 
     /// Gear's second derivative from the forces of a fresh state; the higher ones stay 0.
@@ -140,6 +148,8 @@ impl Bodies {
             + size(&self.image)
             + size(&self.derivatives)
             + size(&self.accounts)
+            + size(&self.kick)
+            + size(&self.twist)
     }
 }
 

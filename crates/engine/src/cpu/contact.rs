@@ -11,8 +11,8 @@ use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
 use rayon::prelude::*;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Damping, Encounter, Friction, Interaction, Law, Losses, Period, Response, Sphere, Touch, released_energy, respond,
-    touch_spheres,
+    Damping, Encounter, Friction, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, released_energy,
+    respond, touch_spheres,
 };
 use tdem_physics::real::WIDTH;
 use tdem_physics::{Vec3, vec3};
@@ -24,6 +24,8 @@ pub(super) struct Scene<'a> {
     motion: &'a [Quad],
     spin: &'a [Quad],
     rank: &'a [u32],
+    kick: &'a [Quad],
+    twist: &'a [Quad],
     material: &'a [u16],
     interactions: &'a [Interaction<f64>],
     materials: usize,
@@ -114,12 +116,14 @@ fn choose(law: Law, ledger: bool, lanes: bool) -> Loop {
 impl Cpu {
     /// Evaluates all listed pairs.
     pub(super) fn contact_all(&mut self) -> Result<(), Fault> {
-        let Bodies { place, motion, spin, rank, material, force, moment, accounts, .. } = &mut self.bodies;
+        let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let scene = Scene {
             place,
             motion,
             spin,
             rank,
+            kick,
+            twist,
             material,
             interactions: &self.plan.interactions,
             materials: self.plan.materials,
@@ -195,6 +199,12 @@ impl Scene<'_> {
         let offset = self.place[j].vector() - self.place[i].vector();
         let offset = self.period.map_or(offset, |p| p.nearest(offset));
         touch_spheres(offset, self.place[i].scalar() + self.place[j].scalar())
+    }
+    fn kick_of<V: Variant>(&self, i: usize, arm: f64) -> Kick<f64> {
+        Kick {
+            velocity: self.kick[i].vector(),
+            rolling: if V::MOMENTS { self.twist[i].vector() * arm } else { Vec3::zero() },
+        }
     }
     /// The ranks of a pair, the lower first.
     fn ranks(&self, i: usize, j: usize) -> (u32, u32) {
@@ -283,7 +293,13 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
             let touches = touch.overlap > 0.0;
             if touches {
                 let (a, b) = (scene.sphere(i), scene.sphere(j));
-                let encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS);
+                let mut encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS);
+                if V::LEDGER && !scene.kick.is_empty() {
+                    encounter = encounter.settled([
+                        scene.kick_of::<V>(i, lever_arm(a.radius, touch.overlap)),
+                        scene.kick_of::<V>(j, lever_arm(b.radius, touch.overlap)),
+                    ]);
+                }
                 let displacement = rows.displacement.get(pair).copied().unwrap_or_default().into();
                 let response = respond(law, &encounter, displacement, scene.interaction(i, j), scene.step);
                 let arms = [a.radius, b.radius].map(|radius| lever_arm(radius, touch.overlap));
@@ -440,7 +456,12 @@ impl<R: Eight> Eights<R> {
     ) {
         let a = load_spheres::<V, R>(scene, &group.i, radii[0]);
         let b = load_spheres::<V, R>(scene, &group.j, radii[1]);
-        let encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
+        let arms = [lever_arm(radii[0], touch.overlap), lever_arm(radii[1], touch.overlap)];
+        let mut encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
+        if V::LEDGER && !scene.kick.is_empty() {
+            let first = load_kicks::<V, R>(scene, &group.i, arms[0]);
+            encounter = encounter.settled([first, load_kicks::<V, R>(scene, &group.j, arms[1])]);
+        }
         let displacement =
             if V::FRICTION == Friction::Off { Vec3::zero() } else { R::load_triples(rows.displacement, &group.slot) };
         let interaction = match self.alone {
@@ -448,7 +469,6 @@ impl<R: Eight> Eights<R> {
             None => gather_interactions(scene, &group.i, &group.j),
         };
         let response = respond(self.law, &encounter, displacement, &interaction, self.step);
-        let arms = [lever_arm(radii[0], touch.overlap), lever_arm(radii[1], touch.overlap)];
         keep_eight::<V, R>(scene, rows, group, &response, arms, active);
     }
 }
@@ -510,6 +530,18 @@ fn load_spheres<V: Variant, R: Eight>(scene: &Scene<'_>, index: &[u32; WIDTH], r
         angular_velocity = vec3(x, y, z);
     }
     Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
+}
+
+/// How the last half kick changed eight spheres.
+#[inline(always)]
+fn load_kicks<V: Variant, R: Eight>(scene: &Scene<'_>, index: &[u32; WIDTH], arm: R) -> Kick<R> {
+    let [x, y, z, _] = R::load(scene.kick, index);
+    let mut rolling = Vec3::zero();
+    if V::MOMENTS {
+        let [x, y, z, _] = R::load(scene.twist, index);
+        rolling = vec3(x, y, z) * arm;
+    }
+    Kick { velocity: vec3(x, y, z), rolling }
 }
 
 /// Eight vectors, a zero behind each.

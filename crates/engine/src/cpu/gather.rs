@@ -3,12 +3,13 @@
 use super::bodies::{Bodies, sphere};
 use super::neighbours::{Neighbours, WallSlot};
 use super::search::split;
+use super::wide::prefetch;
 use super::{CHUNK, Cpu};
 use crate::Plan;
 use crate::energy_accounts::{DAMPING, EXTERNAL, FRICTION, STIFFENING};
 use rayon::prelude::*;
 use tdem_physics::contact::encounter::lever_arm;
-use tdem_physics::contact::{Encounter, released_energy, respond, touch_wall};
+use tdem_physics::contact::{Encounter, Kick, released_energy, respond, touch_wall};
 use tdem_physics::{Vec3, vec3};
 
 impl Cpu {
@@ -18,7 +19,7 @@ impl Cpu {
         let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
         let list = &self.neighbours;
-        let Bodies { place, motion, spin, material, force, moment, accounts, .. } = &mut self.bodies;
+        let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
         let mut slots = split(&mut wall_slots, &wall_bounds);
@@ -44,7 +45,8 @@ impl Cpu {
                 }
                 while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
-                    walls.add(&sphere, material[i], slot, accounts.get_mut(k), &mut sum);
+                    let kick = [kick.get(i), twist.get(i)].map(|k| k.copied().unwrap_or_default().vector());
+                    walls.add(&sphere, kick, material[i], slot, accounts.get_mut(k), &mut sum);
                 }
                 force[k].set_vector(sum.force);
                 if let Some(moment) = moment.get_mut(k) {
@@ -56,6 +58,9 @@ impl Cpu {
     }
 }
 
+/// Particles ahead whose incoming records are asked for.
+const AHEAD: usize = 6;
+
 /// Force and moment on a particle so far.
 struct Sum {
     force: Vec3<f64>,
@@ -65,6 +70,12 @@ struct Sum {
 /// Adds the pairs that particles of lower rank keep. `STRIDE` is 6 with moments, 3 without.
 #[inline(always)]
 fn add_incoming<const STRIDE: usize>(list: &Neighbours, i: usize, sum: &mut Sum) {
+    if i + AHEAD + 1 < list.incoming_start.len() {
+        for &pair in list.incoming(i + AHEAD) {
+            prefetch(&list.reaction, STRIDE * pair as usize);
+            prefetch(&list.reaction, STRIDE * pair as usize + STRIDE - 1);
+        }
+    }
     for &pair in list.incoming(i) {
         let pair = pair as usize;
         if list.touching[pair] {
@@ -89,6 +100,7 @@ impl Walls<'_> {
     fn add(
         &self,
         sphere: &tdem_physics::contact::Sphere<f64>,
+        [kick, twist]: [Vec3<f64>; 2],
         material: u16,
         slot: &mut WallSlot,
         account: Option<&mut [f64; 4]>,
@@ -111,12 +123,14 @@ impl Walls<'_> {
             }
             return;
         }
+        let arm = lever_arm(sphere.radius, touch.overlap);
+        let encounter = encounter.settled([Kick { velocity: kick, rolling: twist * arm }, Kick::none()]);
         let response = respond(law, &encounter, slot.displacement.into(), interaction, step);
         slot.touching = true;
         slot.displacement = response.displacement.into();
         sum.force = sum.force + response.force;
         if law.moments {
-            sum.moment = sum.moment + response.moment_per_arm * lever_arm(sphere.radius, touch.overlap);
+            sum.moment = sum.moment + response.moment_per_arm * arm;
         }
         if let Some(account) = account {
             account[FRICTION] += response.losses.friction;

@@ -49,39 +49,50 @@ impl Cpu {
             optional(&mut bodies.derivatives),
             optional(&mut bodies.image),
             optional(&mut bodies.moment),
+            optional(&mut bodies.kick),
+            optional(&mut bodies.twist),
         )
             .into_par_iter()
-            .map(|(place, motion, spin, force, constraint, rank, reference, derivatives, image, moment)| {
-                let mut report = Report::START;
-                for i in 0..place.len() {
-                    let constraint = &constraints[usize::from(constraint[i])];
-                    let before = place[i].vector();
-                    match integrator {
-                        Integrator::VelocityVerlet => {
-                            verlet_particle(&mut place[i], &mut motion[i], &force[i], constraint, dt);
+            .map(
+                |(place, motion, spin, force, constraint, rank, reference, derivatives, image, moment, kick, twist)| {
+                    let mut report = Report::START;
+                    for i in 0..place.len() {
+                        let constraint = &constraints[usize::from(constraint[i])];
+                        let before = place[i].vector();
+                        let moving = [motion[i].vector(), spin[i].vector()];
+                        match integrator {
+                            Integrator::VelocityVerlet => {
+                                verlet_particle(&mut place[i], &mut motion[i], &force[i], constraint, dt);
+                            }
+                            Integrator::Gear => {
+                                gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt);
+                            }
                         }
-                        Integrator::Gear => {
-                            gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt);
+                        if moments && integrator == Integrator::VelocityVerlet {
+                            let inertia = sphere_inertia(motion[i].scalar(), place[i].scalar());
+                            let kicked = verlet::kick(spin[i].vector(), moment[i].vector(), inertia, 0.5 * dt);
+                            spin[i].set_vector(prescribe(kicked, &constraint.angular_velocity));
                         }
+                        if let Some(kick) = kick.get_mut(i) {
+                            kick.set_vector(motion[i].vector() - moving[0]);
+                        }
+                        if let Some(twist) = twist.get_mut(i) {
+                            twist.set_vector(spin[i].vector() - moving[1]);
+                        }
+                        let step = place[i].vector() - before;
+                        report.step_squared = report.step_squared.max(step.dot(step));
+                        if wraps {
+                            wrap(&mut place[i], &mut image[i], &domain);
+                        }
+                        if !inside(&place[i], &domain) {
+                            report.astray = report.astray.min(rank[i]);
+                        }
+                        let way = way(&place[i], reference[i], wraps.then_some(&period));
+                        report.way_squared = report.way_squared.max(way);
                     }
-                    if moments && integrator == Integrator::VelocityVerlet {
-                        let inertia = sphere_inertia(motion[i].scalar(), place[i].scalar());
-                        let kicked = verlet::kick(spin[i].vector(), moment[i].vector(), inertia, 0.5 * dt);
-                        spin[i].set_vector(prescribe(kicked, &constraint.angular_velocity));
-                    }
-                    let step = place[i].vector() - before;
-                    report.step_squared = report.step_squared.max(step.dot(step));
-                    if wraps {
-                        wrap(&mut place[i], &mut image[i], &domain);
-                    }
-                    if !inside(&place[i], &domain) {
-                        report.astray = report.astray.min(rank[i]);
-                    }
-                    let way = way(&place[i], reference[i], wraps.then_some(&period));
-                    report.way_squared = report.way_squared.max(way);
-                }
-                report
-            })
+                    report
+                },
+            )
             .reduce(|| Report::START, Report::merge);
         if report.astray != NONE {
             return Err(self.astray(report.astray));

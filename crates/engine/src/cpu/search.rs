@@ -2,7 +2,7 @@
 
 use super::bodies::Quad;
 use super::contact::law_stride;
-use super::grid::{Grid, class_of, morton};
+use super::grid::{Grid, class_of, strip_order};
 use super::neighbours::{Histories, Neighbours, WallSlot};
 use super::{CHUNK, Cpu, List};
 use crate::Fault;
@@ -79,14 +79,14 @@ impl Cpu {
         Ok(())
     }
 
-    /// Puts the particles in the order of a Morton curve, so that neighbours in space are neighbours in memory.
+    /// Puts the particles in the order of a space-filling curve, so that neighbours in space are neighbours in memory.
     fn sort(&mut self, width: f64) {
         let place = &self.bodies.place;
         let min: [f64; 3] = std::array::from_fn(|k| place.iter().fold(f64::INFINITY, |least, p| least.min(p.0[k])));
         let mut order: Vec<(u64, u32)> = place
             .par_iter()
             .zip(0..place.len() as u32)
-            .map(|(p, index)| (morton(p, min, 1.0 / width), index))
+            .map(|(p, index)| (strip_order(p, min, 1.0 / width), index))
             .collect();
         order.par_sort_unstable();
         let order: Vec<u32> = order.into_iter().map(|(_, index)| index).collect();

@@ -67,6 +67,20 @@ impl Eight for Lanes {
     }
 }
 
+/// Asks for the memory of an element that will be read soon; an index outside the field is ignored.
+#[inline(always)]
+pub(super) fn prefetch<T>(field: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(element) = field.get(index) {
+        // SAFETY: a prefetch reads nothing that the program can see, and the address is that of an element.
+        unsafe {
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(element).cast())
+        };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (field, index);
+}
+
 /// The contact loop for the widest registers of this machine.
 pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     #[cfg(target_arch = "x86_64")]

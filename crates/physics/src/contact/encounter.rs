@@ -96,8 +96,12 @@ pub struct Encounter<R> {
     pub normal: Vec3<R>,
     /// $h$, m.
     pub overlap: R,
-    /// $\mathbf v_c$, velocity of the second surface relative to the first, m/s.
+    /// $\mathbf v_c$, velocity of the second surface relative to the first, m/s. Forces and history see it; under velocity
+    /// Verlet it is that of the middle of the step.
     pub relative_velocity: Vec3<R>,
+    /// The same at the end of the step, as well as it is known, m/s. Only losses see it: forces at the end of a step do
+    /// work at the velocity there, and a ledger that took the earlier one would close to first order only.
+    pub settled_velocity: Vec3<R>,
     /// $R^*$, m.
     pub radius_eff: R,
     /// $m^*$, kg.
@@ -113,17 +117,17 @@ impl<R: Real> Encounter<R> {
     #[inline(always)]
     pub fn of_spheres(first: &Sphere<R>, second: &Sphere<R>, touch: &Touch<R>, spin: bool) -> Self {
         let normal = (touch.offset * (R::lit(1.0) / touch.distance)).named(["normal_x", "normal_y", "normal_z"]);
+        let arms = [lever_arm(first.radius, touch.overlap), lever_arm(second.radius, touch.overlap)];
         let mut relative_velocity = second.velocity - first.velocity;
         if spin {
-            let half_overlap = R::lit(0.5) * touch.overlap;
-            let rolling = first.angular_velocity * (first.radius - half_overlap)
-                + second.angular_velocity * (second.radius - half_overlap);
+            let rolling = first.angular_velocity * arms[0] + second.angular_velocity * arms[1];
             relative_velocity = relative_velocity - rolling.cross(normal);
         }
         Encounter {
             normal,
             overlap: touch.overlap,
             relative_velocity,
+            settled_velocity: relative_velocity,
             radius_eff: (first.radius * second.radius / (first.radius + second.radius)).named("radius_eff"),
             mass_eff: (first.mass * second.mass / (first.mass + second.mass)).named("mass_eff"),
         }
@@ -149,9 +153,39 @@ impl<R: Real> Encounter<R> {
             normal,
             overlap: touch.overlap,
             relative_velocity,
+            settled_velocity: relative_velocity,
             radius_eff: sphere.radius,
             mass_eff: sphere.mass,
         }
+    }
+
+    /// Adds what the second half of the step will change, guessed from the first: `kicks` are the changes of velocity and
+    /// angular velocity (times lever arm) of the first and the second body in a half step.
+    #[inline(always)]
+    #[must_use]
+    pub fn settled(self, kicks: [Kick<R>; 2]) -> Self {
+        let [first, second] = kicks;
+        let rolling = (first.rolling + second.rolling).cross(self.normal);
+        let change = (second.velocity - first.velocity) - rolling;
+        Encounter { settled_velocity: self.relative_velocity + change, ..self }
+    }
+}
+
+/// How half a step changed the motion of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Kick<R> {
+    /// Change of velocity, m/s.
+    pub velocity: Vec3<R>,
+    /// Change of angular velocity times lever arm, m/s; zero without moments.
+    pub rolling: Vec3<R>,
+}
+
+impl<R: Real> Kick<R> {
+    /// A body that moves as it is told.
+    #[must_use]
+    #[inline(always)]
+    pub fn none() -> Self {
+        Kick { velocity: Vec3::zero(), rolling: Vec3::zero() }
     }
 }
 

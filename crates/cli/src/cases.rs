@@ -1,0 +1,84 @@
+//! Cases, read and built for the commands.
+
+use crate::render::{Report, Reports};
+use std::path::Path;
+use tdem_case::schema::{Positive, Step};
+use tdem_case::{Built, Fields, Loaded, Problems};
+use tdem_engine::State;
+use tdem_results::{Contents, Precision, load_final_state};
+
+/// Reads `KEY=VALUE`.
+pub(crate) fn key_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().to_owned(), value.trim().to_owned())),
+        _ => Err("write KEY=VALUE, such as time.step=1e-6 or size=83k".to_owned()),
+    }
+}
+
+/// Reads a case file. Lines in messages are those of the text with presets and overrides applied; its name says so.
+pub(crate) fn load(path: &Path, set: &[(String, String)]) -> Result<Loaded, Reports> {
+    let name = |mut problems: Problems| {
+        if !problems.source.text.is_empty() {
+            problems.source.name += &with(set);
+        }
+        Reports::from(problems)
+    };
+    let mut loaded = tdem_case::load(path, set).map_err(name)?;
+    loaded.source.name += &with(set);
+    Ok(loaded)
+}
+
+fn with(set: &[(String, String)]) -> String {
+    set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect()
+}
+
+/// Builds a case; other runs that it begins from are read.
+pub(crate) fn build(loaded: &Loaded) -> Result<Built, Reports> {
+    let runs = |directory: &Path| -> Result<State, String> {
+        load_final_state(directory).map(|last| last.state).map_err(|error| error.to_string())
+    };
+    Ok(loaded.build_with(&runs)?)
+}
+
+/// The case that a run keeps: with the step it chose, so that resuming takes the same one whatever happens to the
+/// files that the case names.
+pub(crate) fn kept(loaded: &Loaded, built: &Built) -> Result<String, Reports> {
+    let mut kept = loaded.clone();
+    let step = Positive::try_from(built.plan.dt)
+        .map_err(|error| Report::new("tdem::case::step", format!("the time step cannot be used: {error}")))?;
+    kept.case.time.step = Step::Seconds(step);
+    let chosen = if built.limits.auto { "# time.step was \"auto\"; this is the step that was chosen.\n" } else { "" };
+    Ok(chosen.to_owned() + &kept.effective_toml())
+}
+
+/// What frames hold.
+pub(crate) fn contents(fields: Fields) -> Contents {
+    Contents {
+        contacts: fields.contacts,
+        precision: match fields.precision {
+            tdem_case::schema::Precision::Single => Precision::Single,
+            tdem_case::schema::Precision::Double => Precision::Double,
+        },
+        compression: fields.compression,
+    }
+}
+
+/// When a run writes; `steps` replaces the number of steps that the case asks for.
+pub(crate) fn schedule(of_case: &tdem_case::Schedule, steps: Option<u64>) -> tdem_results::Schedule {
+    tdem_results::Schedule {
+        steps: steps.unwrap_or(of_case.steps),
+        frame_every: of_case.frame_every,
+        history_every: of_case.history_every,
+        checkpoint_every: of_case.checkpoint_every,
+        checkpoint_interval_secs: of_case.checkpoint_interval_secs,
+    }
+}
+
+/// Whether a state belongs to a case: what a run never changes must be what the case says.
+pub(crate) fn belongs(state: &State, built: &Built) -> bool {
+    let first = &built.state;
+    state.id == first.id
+        && state.material == first.material
+        && state.constraint == first.constraint
+        && state.mass == first.mass
+}

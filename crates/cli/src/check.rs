@@ -1,0 +1,141 @@
+//! `tdem check`: what is wrong with a case; if nothing is, what limits its step and what it costs.
+
+use crate::console::data;
+use crate::render::{self, Reports};
+use crate::units::{bytes, counted, entry, grouped, number, short};
+use crate::{cases, summary};
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use tdem_case::schema::Precision;
+use tdem_case::{Built, StepLimits};
+use tdem_engine::State;
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The case file
+    #[arg(value_name = "CASE.toml")]
+    case: PathBuf,
+    /// Change a line of the case, as for `tdem run`
+    #[arg(long, value_name = "KEY=VALUE", value_parser = cases::key_value)]
+    set: Vec<(String, String)>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem check cases/packing.toml
+  tdem check cases/packing.toml --set size=3m";
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let loaded = cases::load(&arguments.case, &arguments.set)?;
+    let built = cases::build(&loaded)?;
+    render::warn(&Reports::from(&built.warnings));
+    let case = &loaded.case;
+    let mut text = format!("{} can run.\n", loaded.source.name);
+    text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
+    text += &extent(&built.state);
+    text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
+    text += &entry("step", summary::step(&built));
+    text += &schedule(&built);
+    text += &limits(&built.limits);
+    data(text.trim_end())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the particles fill and how large they are.
+fn extent(state: &State) -> String {
+    if state.is_empty() {
+        return String::new();
+    }
+    let over = |start: f64, pick: fn(f64, f64) -> f64, value: &dyn Fn(usize) -> f64| {
+        (0..state.len()).map(value).fold(start, pick)
+    };
+    let (low, high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let least = |k: usize| over(low, f64::min, &|i| state.position[i][k] - state.radius[i]);
+    let most = |k: usize| over(high, f64::max, &|i| state.position[i][k] + state.radius[i]);
+    let corner = |edge: &dyn Fn(usize) -> f64| [0, 1, 2].map(|k| short(edge(k))).join(", ");
+    let (small, large) = (over(low, f64::min, &|i| state.radius[i]), over(high, f64::max, &|i| state.radius[i]));
+    let radii = if small == large { short(small) } else { format!("{} to {}", short(small), short(large)) };
+    entry("radius", format!("{radii} m"))
+        + &entry("they fill", format!("({}) to ({}) m", corner(&least), corner(&most)))
+}
+
+/// When what is written, and how much.
+fn schedule(built: &Built) -> String {
+    let schedule = &built.schedule;
+    let time = |steps: u64| format!("{} s", short(built.plan.time(steps)));
+    let count = |every: u64| if every == 0 { 0 } else { schedule.steps.div_ceil(every) + 1 };
+    let frames = count(schedule.frame_every);
+    let disk = frames * frame_bytes(built);
+    let mut text = entry("duration", format!("{}, {}", time(schedule.steps), counted(schedule.steps, "step")));
+    text += &entry(
+        "frames",
+        if frames == 0 {
+            "none".to_owned()
+        } else {
+            format!(
+                "{}, one every {} ({}), about {} on the disk",
+                grouped(frames),
+                time(schedule.frame_every),
+                counted(schedule.frame_every, "step"),
+                bytes(disk)
+            )
+        },
+    );
+    text += &entry(
+        "history",
+        format!(
+            "{}, one every {} ({})",
+            counted(count(schedule.history_every), "row"),
+            time(schedule.history_every),
+            counted(schedule.history_every, "step")
+        ),
+    );
+    let clock = format!("every {} s on the clock", short(schedule.checkpoint_interval_secs));
+    let steps = schedule.checkpoint_every.map_or(String::new(), |every| format!(", every {}", time(every)));
+    text + &entry("checkpoints", format!("{clock}{steps}, about {} each", bytes(built.memory.state_bytes)))
+}
+
+/// An estimate of one frame: bytes per particle as measured on a settled packing.
+fn frame_bytes(built: &Built) -> u64 {
+    let fields = built.schedule.fields;
+    let particle = BYTES_PER_PARTICLE + if fields.contacts { BYTES_OF_CONTACTS } else { 0 };
+    let precision = if fields.precision == Precision::Double { 2 } else { 1 };
+    FRAME_BYTES + precision * particle * built.state.len() as u64
+}
+
+const FRAME_BYTES: u64 = 20_000;
+const BYTES_PER_PARTICLE: u64 = 90;
+const BYTES_OF_CONTACTS: u64 = 180;
+
+/// All limits of the step, the smallest first, one line each.
+fn limits(limits: &StepLimits) -> String {
+    let mut text = String::from("Limits of the time step:\n");
+    if limits.limits.is_empty() {
+        return text + "  none: nothing collides\n";
+    }
+    let cells: Vec<[String; 4]> = limits
+        .limits
+        .iter()
+        .map(|limit| {
+            [
+                format!("{} s", number(limit.seconds, 4)),
+                if limit.proven { "proven" } else { "estimate" }.to_owned(),
+                number(limits.step / limit.seconds, 3),
+                limit.name.to_owned(),
+            ]
+        })
+        .collect();
+    let header = ["limit", "kind", "step/limit", "set by"].map(str::to_owned);
+    let width: [usize; 4] =
+        std::array::from_fn(|k| cells.iter().chain([&header]).map(|row| row[k].chars().count()).max().unwrap_or(0));
+    let causes = std::iter::once("").chain(limits.limits.iter().map(|limit| limit.cause.as_str()));
+    for (row, cause) in std::iter::once(&header).chain(&cells).zip(causes) {
+        let padded: Vec<String> = row.iter().zip(width).map(|(cell, width)| format!("{cell:<width$}")).collect();
+        text += &format!("  {}  {cause}", padded.join("  "));
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+    }
+    text + "Beyond a proven limit a run diverges and is refused; beyond an estimate it is warned of.\n"
+}

@@ -1,0 +1,78 @@
+//! What stands on the command line, and who answers it.
+
+use crate::{check, console, info, new, pack, picture, render, resume, run, shell, verify};
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Exit code of a case or a run that failed. Wrong usage is 2, from clap.
+const FAILED: u8 = 1;
+
+#[derive(Debug, Parser)]
+#[command(name = "tdem", version, about, long_about = LONG_ABOUT, after_help = EXAMPLES, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const LONG_ABOUT: &str = "\
+Discrete element simulations of spheres that collide, rub and roll.
+
+A case is a TOML file; a run is a directory with frames for ParaView, a history as CSV, and checkpoints. \
+The same case gives the same result to the last bit on any number of threads, and when it is stopped and resumed.";
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem new silo                    write a commented starter case, silo.toml
+  tdem check silo.toml             what is wrong with it, what limits its time step, what it costs
+  tdem run silo.toml               run it into runs/silo
+  tdem resume runs/silo            go on after an interruption, exactly
+  tdem picture runs/silo           a quick look without ParaView
+
+Exit codes: 0 done, 1 the case or the run failed, 2 wrong usage, 128 + signal interrupted.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a case
+    Run(run::Arguments),
+    /// Go on from the last good checkpoint of a run, exactly
+    Resume(resume::Arguments),
+    /// Show all that is wrong with a case, or what limits its time step and what it costs
+    Check(check::Arguments),
+    /// Show the devices of this machine, or what a run holds
+    Info(info::Arguments),
+    /// Write a commented starter case
+    New(new::Arguments),
+    /// Copy all frames of a run into one self-contained file per block, for sending
+    Pack(pack::Arguments),
+    /// Draw the last state of a run as a PNG file
+    Picture(picture::Arguments),
+    /// Compare the engine with closed forms and published values
+    Verify(verify::Arguments),
+    /// Print the JSON schema of case files, for editors
+    Schema,
+    /// Print completions for a shell
+    Completions(shell::Completions),
+    /// Print the manual page, or write one for each command
+    Man(shell::Man),
+}
+
+/// Answers the command line.
+pub(crate) fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Run(arguments) => run::execute(&arguments),
+        Command::Resume(arguments) => resume::execute(&arguments),
+        Command::Check(arguments) => check::execute(&arguments),
+        Command::Info(arguments) => info::execute(&arguments),
+        Command::New(arguments) => new::execute(&arguments),
+        Command::Pack(arguments) => pack::execute(&arguments),
+        Command::Picture(arguments) => picture::execute(&arguments),
+        Command::Verify(arguments) => verify::execute(&arguments),
+        Command::Schema => shell::schema(),
+        Command::Completions(arguments) => shell::completions(&arguments),
+        Command::Man(arguments) => shell::man(&arguments),
+    };
+    outcome.unwrap_or_else(|reports| {
+        console::say(render::text(&reports));
+        ExitCode::from(FAILED)
+    })
+}

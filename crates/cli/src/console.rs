@@ -1,0 +1,34 @@
+//! The only two ways out: data to standard output, everything else to standard error.
+
+use crate::render::{Report, Reports};
+use std::fmt::Display;
+use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
+
+/// Writes a line of data.
+///
+/// # Errors
+/// If standard output cannot take it. A reader that has seen enough (`tdem schema | head`) is no error.
+pub(crate) fn data(text: impl Display) -> Result<(), Reports> {
+    match writeln!(stdout(), "{text}").and_then(|()| stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Report::new("tdem::cli::output", format!("cannot write to standard output: {error}")).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Tells the user something. If nobody can hear it, the work goes on.
+pub(crate) fn say(text: impl Display) {
+    let _ = writeln!(stderr(), "{text}");
+}
+
+/// Whether somebody watches.
+pub(crate) fn watched() -> bool {
+    stderr().is_terminal()
+}
+
+/// Whether colours are welcome, see <https://no-color.org>.
+pub(crate) fn colours() -> bool {
+    let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    watched() && !refused && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}

@@ -1,0 +1,85 @@
+//! `tdem info`: this machine, or a run.
+
+use crate::console::data;
+use crate::machine::instructions;
+use crate::render::Reports;
+use crate::units::{argument, bytes, counted, entry, grouped, short};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::thread::available_parallelism;
+
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// The directory of a run; without it, the devices of this machine are shown
+    #[arg(value_name = "DIR")]
+    run: Option<PathBuf>,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    match &arguments.run {
+        Some(run) => data(of_run(run)?.trim_end())?,
+        None => data(of_machine().trim_end())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn of_machine() -> String {
+    let cores = available_parallelism().map_or(1, usize::from) as u64;
+    format!("tdem {}\n", env!("CARGO_PKG_VERSION"))
+        + &entry("cpu", format!("{}, {}", counted(cores, "core"), instructions()))
+        + &entry("opencl", "not built yet")
+        + &entry("cuda", "not built yet")
+}
+
+fn of_run(run: &Path) -> Result<String, Reports> {
+    let info = tdem_results::info(run)?;
+    let mut text = format!("{}\n", argument(run));
+    // A case that cannot be read any more does not hide what the run holds.
+    match tdem_case::load(&run.join("case.toml"), &[]) {
+        Ok(loaded) => {
+            let case = &loaded.case;
+            let end = short(case.time.end.get());
+            text += &entry("case", format!("{}, model {:?}, {end} s", title(&case.title), case.model));
+        }
+        Err(_) => text += &entry("case", "cannot be read; `tdem check` on its case.toml says why"),
+    }
+    let frames = info.frames.len() as u64;
+    text += &entry(
+        "frames",
+        match (info.frames.first(), info.frames.last()) {
+            (Some(first), Some(last)) => format!(
+                "{}, t = {} s to {} s, {}",
+                grouped(frames),
+                short(first.time),
+                short(last.time),
+                counted(last.particles as u64, "particle")
+            ),
+            _ => "none".to_owned(),
+        },
+    );
+    for unreadable in &info.unreadable_frames {
+        text += &entry("", format!("unreadable: {unreadable}"));
+    }
+    if !info.blocks.is_empty() {
+        let masters: Vec<String> = info.blocks.iter().map(|block| format!("{block}.vtkhdf")).collect();
+        text += &entry("ParaView", masters.join(", "));
+    }
+    text += &entry("history.csv", counted(info.history_rows as u64, "row"));
+    for (index, checkpoint) in info.checkpoints.iter().enumerate() {
+        let state = match &checkpoint.particles {
+            Ok(particles) => counted(*particles as u64, "particle"),
+            Err(damage) => format!("cannot be used, {damage}"),
+        };
+        let name = if index == 0 { "checkpoints" } else { "" };
+        text += &entry(name, format!("step {}, {state}", grouped(checkpoint.step)));
+    }
+    if info.checkpoints.is_empty() {
+        text += &entry("checkpoints", "none");
+    }
+    Ok(text + &entry("size", bytes(info.bytes)))
+}
+
+fn title(title: &str) -> &str {
+    if title.is_empty() { "without title" } else { title }
+}

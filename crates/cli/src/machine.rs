@@ -1,0 +1,91 @@
+//! On what a run is computed.
+
+use crate::render::{Report, Reports};
+use crate::units::counted;
+use clap::{Args, ValueEnum};
+use tdem_engine::cpu;
+
+/// Choices that change the speed of a run, and no bit of its result.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Machine (no bit of the result depends on it)")]
+pub(crate) struct Machine {
+    /// What computes; "auto" takes the fastest that is there, which is the CPU until GPU back ends are built
+    #[arg(long, value_enum, default_value_t = Device::Auto)]
+    device: Device,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Compute contacts one by one instead of eight at a time: slower, for comparison
+    #[arg(long)]
+    scalar: bool,
+    /// List each pair once, or from both sides: slower, for comparison
+    #[arg(long, value_enum, default_value_t = List::Half)]
+    list: List,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Device {
+    /// The fastest device there is
+    Auto,
+    /// The cores of this machine
+    Cpu,
+}
+
+/// How pairs are listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum List {
+    /// Each pair once
+    Half,
+    /// Each pair from both sides
+    Full,
+}
+
+impl Machine {
+    /// Lets everything in this process use the threads asked for, not only the engine.
+    pub(crate) fn prepare(&self) -> Result<(), Reports> {
+        let threads = usize::from(self.threads.unwrap_or(0));
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|error| {
+            Report::new("tdem::cli::threads", format!("cannot start the threads: {error}"))
+                .help("ask for fewer, --threads 1")
+                .into()
+        })
+    }
+
+    /// The same for the engine.
+    pub(crate) fn options(&self) -> cpu::Options {
+        cpu::Options {
+            threads: self.threads.map(usize::from),
+            lanes: !self.scalar,
+            list: if self.list == List::Half { cpu::List::Half } else { cpu::List::Full },
+            ..cpu::Options::default()
+        }
+    }
+
+    /// In words.
+    pub(crate) fn describe(&self) -> String {
+        let device = match self.device {
+            Device::Auto | Device::Cpu => "CPU",
+        };
+        let threads = counted(rayon::current_num_threads() as u64, "thread");
+        let lanes = if self.scalar { "one contact at a time".to_owned() } else { instructions().to_owned() };
+        format!("{device}, {threads}, {lanes}")
+    }
+}
+
+/// The widest instruction set that the engine uses here.
+pub(crate) fn instructions() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
+        {
+            return "AVX-512";
+        }
+        if is_x86_feature_detected!("avx2") {
+            return "AVX2";
+        }
+    }
+    "no vector instructions beyond the platform's own"
+}

@@ -1,0 +1,170 @@
+//! `tdem picture`: a quick look.
+
+use crate::cases;
+use crate::console::{data, say};
+use crate::files::{self, refused};
+use crate::render::{Report, Reports};
+use crate::units::{argument, grouped, number, short};
+use clap::{Args, ValueEnum};
+use std::fs;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use tdem_engine::{Plan, State};
+use tdem_results::picture::{Colour, Options, Subject, render};
+use tdem_results::{Error, checkpoint, info};
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The directory of the run
+    #[arg(value_name = "DIR")]
+    run: PathBuf,
+    /// Draw the checkpoint nearest to this time, s; a run keeps its first and its last two [default: the last]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// What colours mean
+    #[arg(long, value_enum, default_value_t = Field::Velocity)]
+    field: Field,
+    /// Values at the two ends of the colours [default: the smallest and the largest]
+    #[arg(long, num_args = 2, value_names = ["LOW", "HIGH"], allow_negative_numbers = true)]
+    range: Option<Vec<f64>>,
+    /// From where: corner, front, back, left, right, top, bottom, or a direction X,Y,Z
+    #[arg(long, default_value = "corner", value_parser = direction, allow_hyphen_values = true)]
+    view: Direction,
+    /// Fill the picture with the particles instead of the whole domain
+    #[arg(long)]
+    close: bool,
+    /// Pixels, WIDTHxHEIGHT
+    #[arg(long, default_value = "1200x900", value_parser = size)]
+    size: Size,
+    /// The file [default: DIR/pictures/FIELD-STEP.png]
+    #[arg(long, value_name = "FILE.png")]
+    out: Option<PathBuf>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem picture runs/packing
+  tdem picture runs/packing --field force --view front --out force.png";
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Field {
+    /// Speed, m/s
+    Velocity,
+    /// Size of the angular velocity, rad/s
+    AngularVelocity,
+    /// Third coordinate, m
+    Height,
+    /// Radius, m
+    Radius,
+    /// Size of the resultant force, N
+    Force,
+    /// Number of the material
+    Material,
+}
+
+impl Field {
+    fn colour(self) -> (Colour, &'static str) {
+        match self {
+            Field::Velocity => (Colour::Speed, " m/s"),
+            Field::AngularVelocity => (Colour::Spin, " rad/s"),
+            Field::Height => (Colour::Height, " m"),
+            Field::Radius => (Colour::Radius, " m"),
+            Field::Force => (Colour::Force, " N"),
+            Field::Material => (Colour::Material, ""),
+        }
+    }
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+type Direction = [f64; 3];
+type Size = (u32, u32);
+
+fn direction(text: &str) -> Result<Direction, String> {
+    match text {
+        "corner" => return Ok(Options::default().direction),
+        "front" => return Ok([0.0, -1.0, 0.0]),
+        "back" => return Ok([0.0, 1.0, 0.0]),
+        "left" => return Ok([-1.0, 0.0, 0.0]),
+        "right" => return Ok([1.0, 0.0, 0.0]),
+        "top" => return Ok([0.0, 0.0, 1.0]),
+        "bottom" => return Ok([0.0, 0.0, -1.0]),
+        _ => {}
+    }
+    let numbers: Vec<f64> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    match <[f64; 3]>::try_from(numbers) {
+        Ok(direction) if direction.iter().all(|x| x.is_finite()) && direction != [0.0; 3] => Ok(direction),
+        _ => Err("neither corner, front, back, left, right, top, bottom nor three numbers such as 1,-1,0.5".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<Size, String> {
+    let pixels = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    pixels.ok_or_else(|| "write WIDTHxHEIGHT, such as 1200x900".to_owned())
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let run = &arguments.run;
+    if !run.join("case.toml").exists() {
+        return Err(Error::NotARun { path: run.clone() }.into());
+    }
+    let built = cases::build(&cases::load(&run.join("case.toml"), &[])?)?;
+    let state = choose(arguments, &built.plan)?;
+    let (colour, unit) = arguments.field.colour();
+    let values = colour.values(&state);
+    let own = [
+        values.iter().copied().fold(f64::INFINITY, f64::min),
+        values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    let range = match arguments.range.as_deref() {
+        Some(&[low, high]) => [low, high],
+        _ => own,
+    };
+    let (width, height) = arguments.size;
+    let options = Options {
+        width,
+        height,
+        direction: arguments.view,
+        subject: if arguments.close { Subject::Particles } else { Subject::Domain },
+        colour,
+        range: Some(range),
+        ..Options::default()
+    };
+    let picture = render(&state, &built.plan, &options)?;
+    let name = arguments.field.name();
+    let path = arguments.out.clone().unwrap_or_else(|| run.join(format!("pictures/{name}-{}.png", state.step)));
+    if let (Some(folder), None) = (path.parent(), &arguments.out) {
+        fs::create_dir_all(folder).map_err(|error| refused(folder, &error))?;
+    }
+    files::write(&path, &picture)?;
+    say(format!(
+        "Step {}, t = {} s; {name} from {}{unit} (dark) to {}{unit} (bright)",
+        grouped(state.step),
+        short(built.plan.time(state.step)),
+        number(range[0], 3),
+        number(range[1], 3)
+    ));
+    data(argument(&path))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The checkpoint to draw.
+fn choose(arguments: &Arguments, plan: &Plan) -> Result<State, Reports> {
+    let run = &arguments.run;
+    let Some(time) = arguments.time else { return Ok(tdem_results::load_final_state(run)?.state) };
+    let mut good: Vec<_> =
+        info(run)?.checkpoints.into_iter().filter(|checkpoint| checkpoint.particles.is_ok()).collect();
+    good.sort_by(|a, b| (plan.time(a.step) - time).abs().total_cmp(&(plan.time(b.step) - time).abs()));
+    let Some(nearest) = good.first() else {
+        return Err(Error::NoCheckpoint { damaged: 0, path: run.clone() }.into());
+    };
+    checkpoint::read(&nearest.path).map_err(|damage| {
+        Report::new(
+            "tdem::results::damaged-checkpoint",
+            format!("a checkpoint is damaged, {damage}: {}", argument(&nearest.path)),
+        )
+        .into()
+    })
+}

@@ -1,0 +1,103 @@
+//! `tdem resume`: a run goes on from its last good checkpoint.
+
+use crate::cases;
+use crate::console::say;
+use crate::machine::Machine;
+use crate::render::{self, Report, Reports};
+use crate::signals::Signals;
+use crate::units::{argument, grouped, short};
+use crate::work::{self, Work, print_hash};
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use tdem_engine::Simulation;
+use tdem_results::{Error, Resumed, RunDirectory};
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The directory of the run
+    #[arg(value_name = "DIR")]
+    run: PathBuf,
+    #[command(flatten)]
+    work: work::Arguments,
+    #[command(flatten)]
+    machine: Machine,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem resume runs/packing
+  tdem resume runs/packing --steps 50000 --hash
+
+The result is the same to the last bit as if the run had never been interrupted.";
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let run = &arguments.run;
+    let case = run.join("case.toml");
+    if !case.exists() {
+        return Err(Error::NotARun { path: run.clone() }.into());
+    }
+    let loaded = cases::load(&case, &[])?;
+    arguments.machine.prepare()?;
+    let built = cases::build(&loaded)?;
+    let schedule = cases::schedule(&built.schedule, arguments.work.steps);
+    let Resumed { mut directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
+    for damaged in &damaged {
+        let told = Report::warning("tdem::results::damaged-checkpoint", damaged.to_string());
+        render::warn(&told.help("the one before it is used; steps since then are computed again").into());
+    }
+    for unreadable in &unreadable_frames {
+        render::warn(&Report::warning("tdem::results::unreadable-frame", unreadable.to_string()).into());
+    }
+    let state = match state {
+        Some(state) if !cases::belongs(&state, &built) => {
+            return Err(Report::new(
+                "tdem::results::other-case",
+                format!("the checkpoint of step {} does not belong to {}", state.step, argument(&case)),
+            )
+            .help(
+                "a table or a run that the case names has changed since, or the case was edited; put the old one back, \
+                 or run the case again",
+            )
+            .into());
+        }
+        Some(state) if state.step >= schedule.steps => {
+            if !arguments.work.quiet {
+                say(format!(
+                    "{} is finished: its last step is {}, t = {} s. --steps N goes on to a later one.",
+                    argument(run),
+                    grouped(state.step),
+                    short(built.plan.time(state.step))
+                ));
+            }
+            if arguments.work.hash {
+                print_hash(&state)?;
+            }
+            return Ok(ExitCode::SUCCESS);
+        }
+        Some(state) => state,
+        None => built.state,
+    };
+    if !arguments.work.quiet {
+        let from = if directory.last_checkpoint().is_some() {
+            format!("goes on from the checkpoint of step {}", grouped(state.step))
+        } else {
+            "had no checkpoint yet and begins again".to_owned()
+        };
+        say(format!(
+            "{} {from}, t = {} s; {} particles, to step {}\n  {:<14} {}",
+            argument(run),
+            short(built.plan.time(state.step)),
+            grouped(state.len() as u64),
+            grouped(schedule.steps),
+            "device",
+            arguments.machine.describe()
+        ));
+    }
+    let simulation = Simulation::new(state, built.plan, &arguments.machine.options())?;
+    let signals = Signals::catch()?;
+    directory.set_contents(cases::contents(built.schedule.fields));
+    let work = Work { directory, schedule, of_case: built.schedule.steps, signals, arguments: &arguments.work };
+    work.run(simulation)
+}

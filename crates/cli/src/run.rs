@@ -1,0 +1,70 @@
+//! `tdem run`: a case from its file to its last step.
+
+use crate::console::say;
+use crate::machine::Machine;
+use crate::render::{self, Reports};
+use crate::signals::Signals;
+use crate::work::{self, Work};
+use crate::{cases, summary};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use tdem_engine::Simulation;
+use tdem_results::{Error, RunDirectory};
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The case file
+    #[arg(value_name = "CASE.toml")]
+    case: PathBuf,
+    /// Directory for the results [default: runs/<name of the case file>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Remove the run that is in the directory, and begin anew
+    #[arg(long)]
+    overwrite: bool,
+    /// Change a line of the case; a preset of the case is chosen with size=NAME
+    #[arg(long, value_name = "KEY=VALUE", value_parser = cases::key_value)]
+    set: Vec<(String, String)>,
+    #[command(flatten)]
+    work: work::Arguments,
+    #[command(flatten)]
+    machine: Machine,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem run cases/packing.toml
+  tdem run cases/packing.toml --set size=83k --out runs/crystal
+  tdem run cases/packing.toml --set time.end=0.5 --set interaction.0.static_friction=0.3
+  tdem run cases/packing.toml --steps 1000 --hash --overwrite
+
+Ctrl-C writes a checkpoint and ends; `tdem resume` goes on. A second Ctrl-C ends at once.";
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let out = arguments.out.clone().unwrap_or_else(|| default_directory(&arguments.case));
+    let loaded = cases::load(&arguments.case, &arguments.set)?;
+    // Long before anything is built: whoever forgot --out learns it at once.
+    if !arguments.overwrite && out.join("case.toml").exists() {
+        return Err(Error::RunExists { path: out }.into());
+    }
+    arguments.machine.prepare()?;
+    let built = cases::build(&loaded)?;
+    render::warn(&Reports::from(&built.warnings));
+    let schedule = cases::schedule(&built.schedule, arguments.work.steps);
+    if !arguments.work.quiet {
+        say(summary::before(&loaded, &built, &schedule, &arguments.machine, &out));
+    }
+    let kept = cases::kept(&loaded, &built)?;
+    let simulation = Simulation::new(built.state, built.plan, &arguments.machine.options())?;
+    let signals = Signals::catch()?;
+    let mut directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
+    directory.set_contents(cases::contents(built.schedule.fields));
+    let work = Work { directory, schedule, of_case: built.schedule.steps, signals, arguments: &arguments.work };
+    work.run(simulation)
+}
+
+fn default_directory(case: &Path) -> PathBuf {
+    Path::new("runs").join(case.file_stem().unwrap_or(case.as_os_str()))
+}

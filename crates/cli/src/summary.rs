@@ -1,0 +1,124 @@
+//! What a run is about to do, and what came of it.
+
+use crate::machine::Machine;
+use crate::units::{argument, bytes, clock, counted, entry, grouped, number, short};
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Duration;
+use tdem_case::{Built, Loaded};
+use tdem_engine::Ledger;
+use tdem_results::{Progress, Schedule, info};
+
+/// What a run is about to do.
+pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, machine: &Machine, out: &Path) -> String {
+    let case = &loaded.case;
+    let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
+    text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
+    text += &entry("step", step(built));
+    let end = short(built.plan.time(schedule.steps));
+    text += &entry("duration", format!("{end} s, {}", counted(schedule.steps, "step")));
+    text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
+    text += &entry("device", machine.describe());
+    text + entry("results in", argument(out)).trim_end()
+}
+
+/// The step and what limits it.
+pub(crate) fn step(built: &Built) -> String {
+    let limits = &built.limits;
+    let step = format!("{} s", number(limits.step, 5));
+    match limits.smallest() {
+        Some(limit) if limits.auto && limits.step < limits.safety * limit.seconds * (1.0 - 1e-9) => {
+            format!("{step}, the whole duration")
+        }
+        Some(limit) if limits.auto => {
+            format!("{step}, {} of the limit by {} ({})", short(limits.safety), limit.name, limit.cause)
+        }
+        Some(limit) => {
+            let ratio = short(limits.step / limit.seconds);
+            format!("{step}, as given; {ratio} of the limit by {} ({})", limit.name, limit.cause)
+        }
+        None => format!("{step}, nothing limits it"),
+    }
+}
+
+/// A run that has come to its end.
+#[derive(Debug)]
+pub(crate) struct Ended<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) step: u64,
+    /// The step at which this process took it up.
+    pub(crate) first: u64,
+    pub(crate) particles: usize,
+    pub(crate) took: Duration,
+    pub(crate) last: Option<&'a Progress>,
+}
+
+/// What came of a run.
+pub(crate) fn after(ended: &Ended<'_>) -> String {
+    let steps = ended.step - ended.first;
+    let cundall = ended.particles as f64 * steps as f64 / ended.took.as_secs_f64().max(1e-9);
+    let mut text = format!("Finished at step {}", grouped(ended.step));
+    if let Some(last) = ended.last {
+        let _ = write!(text, ", t = {} s", short(last.time));
+    }
+    let _ = writeln!(text, ": {} in {}, results written.", counted(steps, "step"), clock(ended.took));
+    text += &entry("rate", format!("{} particle-steps/s", number(cundall, 3)));
+    if let Some(last) = ended.last {
+        text += &ledger(&last.ledger);
+        if last.ledger_step != ended.step {
+            text += &entry("", format!("as of step {}", grouped(last.ledger_step)));
+        }
+    }
+    text + files(ended.path).trim_end()
+}
+
+/// Energies and measures.
+fn ledger(ledger: &Ledger) -> String {
+    let mut text = entry(
+        "contacts",
+        format!("{} between particles, {} with walls", grouped(ledger.contacts), grouped(ledger.wall_contacts)),
+    );
+    text += &entry(
+        "overlap",
+        format!("at most {} % of the mean radius of a pair", number(100.0 * ledger.largest_overlap, 3)),
+    );
+    let unbalanced = match ledger.contacts + ledger.wall_contacts {
+        0 => String::new(),
+        _ => format!(", unbalanced force ratio {}", number(ledger.unbalanced_force_ratio, 3)),
+    };
+    text += &entry("kinetic", format!("{} J{unbalanced}", number(ledger.kinetic(), 3)));
+    text + &entry("energy error", energy_error(ledger))
+}
+
+/// The error as a share of what the ledger moved about; with that alone one can tell whether it is small.
+fn energy_error(ledger: &Ledger) -> String {
+    let moved = ledger.kinetic()
+        + ledger.elastic_normal
+        + ledger.elastic_tangential
+        + ledger.friction_dissipated.abs()
+        + ledger.damping_dissipated.abs();
+    let error = format!("{} J", number(ledger.energy_error, 2));
+    if moved > 0.0 {
+        let share = number(100.0 * (ledger.energy_error / moved).abs(), 2);
+        format!("{error}, {share} % of the {} J in motion, springs and losses", number(moved, 3))
+    } else {
+        error
+    }
+}
+
+/// What a run left on the disk, and what to do with it.
+fn files(run: &Path) -> String {
+    let mut text = format!("Files in {}:\n", argument(run));
+    let mut file = |name: &str, what: &str| text += &format!("  {name:<31} {what}\n");
+    // A run that cannot be looked at has already said why.
+    if let Ok(info) = info(run)
+        && !info.frames.is_empty()
+    {
+        let masters: Vec<String> = info.blocks.iter().map(|block| format!("{block}.vtkhdf")).collect();
+        let frames = counted(info.frames.len() as u64, "frame");
+        file(&masters.join(", "), &format!("{frames}; open them in ParaView and press Apply"));
+    }
+    file("history.csv", "energies and contacts over time");
+    file("checkpoints/", "complete states, for `tdem resume` and `tdem picture`");
+    text
+}

@@ -1,0 +1,123 @@
+//! `tdem verify`: the engine against closed forms and published values.
+
+use crate::console::{data, say};
+use crate::render::{Report, Reports};
+use crate::units::{clock, counted};
+use clap::{Args, ValueEnum};
+use std::process::ExitCode;
+use std::time::Duration;
+use tdem_studies::verify::{Backend, Case, Outcome, Tier, catalogue, markdown, run, table};
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// Only cases of these names or groups, whatever their tier; all of the quick tier without any
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+    /// The full tier too, which takes minutes
+    #[arg(long)]
+    full: bool,
+    /// What computes
+    #[arg(long, value_enum, default_value_t = Device::Auto)]
+    device: Device,
+    /// Print the table in Markdown
+    #[arg(long)]
+    markdown: bool,
+    /// Print the names of the cases and what they look at, and run none
+    #[arg(long)]
+    list: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem verify                      the quick tier, seconds
+  tdem verify --full --markdown    everything, as a report
+  tdem verify --list               what there is
+  tdem verify incline --device all
+
+The exit code is 1 if a check fails.";
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Device {
+    /// The fastest device there is, which is the CPU until GPU back ends are built
+    Auto,
+    /// The cores of this machine, contacts eight at a time
+    Cpu,
+    /// The cores of this machine, contacts one by one: the plain reference
+    CpuScalar,
+    /// All of them, and their results must be the same to the last bit
+    All,
+}
+
+impl Device {
+    fn backends(self) -> Vec<Backend> {
+        match self {
+            Device::Auto | Device::Cpu => vec![Backend::CpuLanes],
+            Device::CpuScalar => vec![Backend::CpuScalar],
+            Device::All => Backend::ALL.to_vec(),
+        }
+    }
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let cases = chosen(arguments)?;
+    if arguments.list {
+        for case in &cases {
+            let tier = if case.tier == Tier::Quick { "quick" } else { "full" };
+            data(format!("{:<44} {tier:<6} {}", case.name, case.about))?;
+        }
+        return Ok(ExitCode::SUCCESS);
+    }
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    let mut parted: Vec<&str> = Vec::new();
+    for case in &cases {
+        let first = outcomes.len();
+        for backend in arguments.device.backends() {
+            let outcome = run(case, backend);
+            say(line(&outcome));
+            outcomes.push(outcome);
+        }
+        let hashes = outcomes[first..].iter().map(|outcome| outcome.hash);
+        if hashes.clone().any(|hash| hash != outcomes[first].hash) {
+            say(format!("FAILED  {}: the back ends do not agree to the last bit", case.name));
+            parted.push(case.name);
+        }
+    }
+    let shown = if arguments.markdown { markdown(&outcomes) } else { table(&outcomes) };
+    data(shown.trim_end())?;
+    let failed = outcomes.iter().filter(|outcome| !outcome.passed()).count() + parted.len();
+    let seconds = outcomes.iter().map(|outcome| outcome.seconds).sum();
+    let all = counted(outcomes.len() as u64, "case");
+    say(format!("{all} in {}, {failed} failed", clock(Duration::try_from_secs_f64(seconds).unwrap_or_default())));
+    Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+fn line(outcome: &Outcome) -> String {
+    let verdict = if outcome.passed() { "ok" } else { "FAILED" };
+    let time = clock(Duration::try_from_secs_f64(outcome.seconds).unwrap_or_default());
+    let fault = outcome.fault.as_ref().map_or(String::new(), |fault| format!(": {fault}"));
+    format!("{verdict:<7} {}, {}, {time}{fault}", outcome.case.name, outcome.backend.name())
+}
+
+/// The cases that were asked for.
+fn chosen(arguments: &Arguments) -> Result<Vec<Case>, Reports> {
+    let all = catalogue();
+    if arguments.names.is_empty() {
+        let wanted = |case: &Case| arguments.full || arguments.list || case.tier == Tier::Quick;
+        return Ok(all.into_iter().filter(wanted).collect());
+    }
+    for name in &arguments.names {
+        if !all.iter().any(|case| answers_to(case, name)) {
+            let mut groups: Vec<&str> = all.iter().map(Case::group).collect();
+            groups.dedup();
+            return Err(Report::new("tdem::verify::unknown-name", format!("there is no case or group `{name}`"))
+                .help(format!("groups are {}; `tdem verify --list` shows all cases", groups.join(", ")))
+                .into());
+        }
+    }
+    Ok(all.into_iter().filter(|case| arguments.names.iter().any(|name| answers_to(case, name))).collect())
+}
+
+fn answers_to(case: &Case, name: &str) -> bool {
+    case.name == name || case.group() == name || case.name.split_once('/').is_some_and(|(_, own)| own == name)
+}

@@ -1,0 +1,183 @@
+//! What `run` and `resume` have in common: a simulation advances into its directory, watched.
+
+use crate::console::{data, say};
+use crate::progress::Watch;
+use crate::render::{Report, Reports};
+use crate::signals::{self, Signals};
+use crate::summary;
+use crate::units::{argument, grouped, short};
+use clap::Args;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+use tdem_engine::{Fault, Simulation, State};
+use tdem_results::{Error, Outcome, RunDirectory, RunError, Schedule, load_final_state, session};
+
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// End after N steps in all, instead of at the end of the case
+    #[arg(long, value_name = "N")]
+    pub(crate) steps: Option<u64>,
+    /// Print a hash of the final state: the proof that two runs are the same
+    #[arg(long)]
+    pub(crate) hash: bool,
+    /// Say nothing but warnings and errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// A run about to be carried on.
+#[derive(Debug)]
+pub(crate) struct Work<'a> {
+    pub(crate) directory: RunDirectory,
+    pub(crate) schedule: Schedule,
+    /// Steps that the case asks for.
+    pub(crate) of_case: u64,
+    pub(crate) signals: Signals,
+    pub(crate) arguments: &'a Arguments,
+}
+
+impl Work<'_> {
+    pub(crate) fn run(mut self, simulation: Simulation) -> Result<ExitCode, Reports> {
+        let began = Instant::now();
+        let first = simulation.step();
+        let particles = simulation.state().len();
+        let dt = simulation.plan().dt;
+        let mut watch = Watch::new(&self.signals, self.arguments.quiet);
+        let outcome = session::run(simulation, &mut self.directory, &self.schedule, &mut watch);
+        let took = began.elapsed();
+        let last = watch.finish();
+        let path = self.directory.path().to_owned();
+        // The lock is given back before anything else is read.
+        drop(self.directory);
+        match outcome.map_err(|error| fault_report(error, dt))? {
+            Outcome::Finished { step } => {
+                if !self.arguments.quiet {
+                    say(summary::after(&summary::Ended {
+                        path: &path,
+                        step,
+                        first,
+                        particles,
+                        took,
+                        last: last.as_ref(),
+                    }));
+                    if step < self.of_case {
+                        say(format!(
+                            "The case goes on to step {}: tdem resume {}",
+                            grouped(self.of_case),
+                            argument(&path)
+                        ));
+                    }
+                }
+                if self.arguments.hash {
+                    print_hash(&load_final_state(&path)?.state)?;
+                }
+                Ok(ExitCode::SUCCESS)
+            }
+            Outcome::Interrupted { step } => {
+                let signal = self.signals.caught().unwrap_or(0);
+                let steps = self.arguments.steps.map_or(String::new(), |steps| format!(" --steps {steps}"));
+                say(format!(
+                    "Stopped by {} at step {} of {}, t = {} s; a checkpoint was written.\nGo on with: tdem resume {}{steps}",
+                    signals::name(signal),
+                    grouped(step),
+                    grouped(self.schedule.steps),
+                    short(step as f64 * dt),
+                    argument(&path)
+                ));
+                Ok(ExitCode::from(128 + signal))
+            }
+        }
+    }
+}
+
+/// The line that `--hash` promises.
+pub(crate) fn print_hash(state: &State) -> Result<(), Reports> {
+    data(format!("hash {:032x}", state.hash()))
+}
+
+fn fault_report(error: RunError, dt: f64) -> Reports {
+    match error {
+        RunError::Results(error) => error.into(),
+        RunError::Fault { fault, checkpoint, path } => {
+            let cause = match &fault {
+                Fault::NotFinite { .. } | Fault::Escaped { .. } | Fault::Overlap { .. } => format!(
+                    "most often the time step is too large (it is {} s; `tdem check` shows the limits), or something was \
+                     prescribed that pushes particles into each other or through walls\n",
+                    short(dt)
+                ),
+                _ => String::new(),
+            };
+            let run = argument(&path);
+            Report::new(fault_code(&fault), format!("{fault}; the last good checkpoint is of step {checkpoint}"))
+                .help(format!(
+                    "{cause}what was written is whole: `tdem info {run}` lists it\n\
+                     `tdem resume {run}` goes on from step {checkpoint}, and meets the same fault unless --steps ends \
+                     before it; after changing the case: `tdem run CASE.toml --overwrite`"
+                ))
+                .into()
+        }
+    }
+}
+
+fn fault_code(fault: &Fault) -> &'static str {
+    match fault {
+        Fault::NotFinite { .. } => "tdem::run::not-finite",
+        Fault::Escaped { .. } => "tdem::run::escaped",
+        Fault::Overlap { .. } => "tdem::run::overlap",
+        Fault::ListOverflow { .. } => "tdem::run::list-overflow",
+        Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",
+        Fault::Inconsistent { .. } => "tdem::run::inconsistent",
+    }
+}
+
+impl From<Fault> for Reports {
+    fn from(fault: Fault) -> Self {
+        Report::new(fault_code(&fault), fault.to_string()).into()
+    }
+}
+
+impl From<Error> for Reports {
+    fn from(error: Error) -> Self {
+        let run = |path: &Path| argument(path);
+        let (code, help) = match &error {
+            Error::RunExists { path } => {
+                let path = run(path);
+                let help = format!(
+                    "go on with it: `tdem resume {path}`\nreplace it: add --overwrite\nkeep both: add --out DIR"
+                );
+                return Report::new("tdem::results::run-exists", format!("{path} holds a run already"))
+                    .help(help)
+                    .into();
+            }
+            Error::NotARun { path } => {
+                return Report::new(
+                    "tdem::results::not-a-run",
+                    format!("{} is not a run: there is no `case.toml` in it", run(path)),
+                )
+                .help("name the directory that `tdem run` made; without --out it is runs/<name of the case file>")
+                .into();
+            }
+            Error::DiskFull { .. } => ("tdem::results::disk-full", None),
+            Error::Io { .. } => (
+                "tdem::results::io",
+                Some("check that the path exists, that it may be written, and that the disk is there"),
+            ),
+            Error::Format { .. } => ("tdem::results::format", None),
+            Error::Locked { .. } => ("tdem::results::locked", None),
+            Error::Occupied { .. } => ("tdem::results::occupied", Some("choose another directory with --out")),
+            Error::NoCheckpoint { .. } => ("tdem::results::no-checkpoint", None),
+            Error::NoFrames { .. } => {
+                ("tdem::results::no-frames", Some("a case writes frames unless it says output.frames = 0"))
+            }
+            Error::HistoryColumns { .. } => ("tdem::results::history-columns", None),
+            Error::PictureSize { .. } => ("tdem::results::picture-size", None),
+            Error::Picture { .. } => ("tdem::results::picture", None),
+        };
+        let report = Report::new(code, error.to_string());
+        match help {
+            Some(help) => report.help(help).into(),
+            None => report.into(),
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! The commands besides `run` and `resume` do what they say.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
+
+mod common;
+
+use common::Room;
+
+#[test]
+fn check_tells_limits_and_costs() {
+    let room = Room::new();
+    let said = room.tdem(&["check", "case.toml"]).exits(0);
+    for part in ["`glass`", "proven", "estimate", "Rayleigh waves", "memory", "150", "6, one every", "they fill"] {
+        assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
+    }
+    assert_eq!(said.err, "");
+    let stiff = "[material.steel]\ndensity = 7800.0\nyoung_modulus = 2e11\npoisson_ratio = 0.3\n";
+    let of_steel = common::CASE.replace("[[box]]\nmaterial = \"glass\"", "[[box]]\nmaterial = \"steel\"");
+    let pair = "[[interaction]]\nbetween = [\"glass\", \"steel\"]\nnormal_damping = 2000.0\nstatic_friction = 0.5\n\
+                dynamic_friction = 0.4\ntangential_damping = 20.0\n[[box]]";
+    room.write("two.toml", &of_steel.replace("[[box]]", pair).replace("[material", &format!("{stiff}[material")));
+    let said = room.tdem(&["check", "two.toml"]).exits(0);
+    let first = said.out.lines().skip_while(|line| !line.contains("step/limit")).nth(1).unwrap();
+    assert!(first.contains("`glass` and `steel`"), "the limiting pair comes first: {first}");
+}
+
+#[test]
+fn the_starter_case_is_good_and_never_replaces_another() {
+    let room = Room::new();
+    room.tdem(&["new", "silo"]).exits(0).complains(&["tdem run silo.toml"]);
+    room.tdem(&["check", "silo.toml"]).exits(0);
+    room.write("silo.toml", "mine");
+    room.tdem(&["new", "silo"]).exits(1).complains(&["tdem::cli::file-exists"]);
+    room.tdem(&["new", "silo.toml"]).exits(1);
+    assert_eq!(std::fs::read_to_string(room.path("silo.toml")).unwrap(), "mine");
+}
+
+#[test]
+fn a_run_can_be_looked_at_and_sent() {
+    let room = Room::new();
+    room.tdem(&["run", "case.toml"]).exits(0).complains(&["particles.vtkhdf", "ParaView", "energy error", " 100 %"]);
+    let quiet = room.tdem(&["run", "case.toml", "--quiet", "--overwrite"]).exits(0);
+    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
+    let info = room.tdem(&["info", "runs/case"]).exits(0);
+    assert!(info.out.contains("150 particles"), "{}", info.out);
+    let packed = room.tdem(&["pack", "runs/case"]).exits(0);
+    assert!(packed.out.lines().count() == 2 && packed.out.lines().all(|file| room.path(file).exists()), "{}", packed.out);
+    let picture = room.tdem(&["picture", "runs/case", "--size", "80x60"]).exits(0);
+    let bytes = std::fs::read(room.path(picture.out.trim())).unwrap();
+    assert!(bytes.starts_with(b"\x89PNG"));
+    for view in ["top", "bottom", "front", "1,-1,0.5", "-1,0,0"] {
+        let arguments = ["picture", "runs/case", "--view", view, "--field", "force", "--time", "0", "--out", "a.png"];
+        room.tdem(&[&arguments[..], &["--size", "80x60", "--close"]].concat()).exits(0).complains(&["Step 0"]);
+    }
+    room.tdem(&["picture", "runs/case", "--size", "0x60"]).exits(1).complains(&["tdem::results::picture-size"]);
+    room.tdem(&["picture", "runs/case", "--out", "no/where.png"]).exits(1).complains(&["tdem::cli::write"]);
+}
+
+#[test]
+fn a_run_begins_where_another_ended() {
+    let room = Room::new();
+    room.tdem(&["run", "case.toml", "--out", "first", "--steps", "300"]).exits(0);
+    let group = "[particles.random]\ncount = 150\nradius = { min = 0.008, max = 0.012, distribution = \"number\" }\n";
+    let next = common::CASE.replace(group, "[particles.run]\ndirectory = \"first\"\n").replace("random_speed = [0.0, 0.5]\n", "");
+    room.write("next.toml", &next);
+    room.tdem(&["run", "next.toml", "--steps", "20"]).exits(0);
+    room.tdem(&["resume", "runs/next", "--steps", "40"]).exits(0);
+}
+
+#[test]
+fn machine_schema_shells_and_manual() {
+    let room = Room::new();
+    let info = room.tdem(&["info"]).exits(0);
+    assert!(info.out.contains("core") && info.out.contains("not built yet"), "{}", info.out);
+    let schema: serde_json::Value = serde_json::from_str(&room.tdem(&["schema"]).exits(0).out).unwrap();
+    assert!(schema["properties"]["particles"].is_object());
+    assert!(room.tdem(&["completions", "bash"]).exits(0).out.contains("tdem"));
+    assert!(room.tdem(&["man"]).exits(0).out.contains(".TH"));
+    room.tdem(&["man", "--out", "pages"]).exits(0);
+    assert!(room.path("pages/tdem-run.1").exists());
+    assert!(room.tdem(&["run", "--help"]).exits(0).out.contains("Examples:"));
+}
+
+#[test]
+fn verify_judges() {
+    let room = Room::new();
+    let list = room.tdem(&["verify", "--list"]).exits(0);
+    let name = list.out.lines().find(|line| line.contains(" quick ")).and_then(|line| line.split(' ').next()).unwrap();
+    let said = room.tdem(&["verify", name, "--device", "all", "--markdown"]).exits(0);
+    assert!(said.out.contains('|') && said.err.contains("0 failed"), "{}\n{}", said.out, said.err);
+    room.tdem(&["verify", "nonsense"]).exits(1).complains(&["tdem::verify::unknown-name", "--list"]);
+}

@@ -1,0 +1,154 @@
+//! Bad input gets a clear error: what, where, why, what to do, and an exit code.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
+
+mod common;
+
+use common::{CASE, Room};
+
+#[test]
+fn wrong_usage_is_2() {
+    let room = Room::new();
+    room.tdem(&[]).exits(2);
+    room.tdem(&["run"]).exits(2).complains(&["CASE.toml"]);
+    room.tdem(&["run", "case.toml", "--set", "foo"]).exits(2).complains(&["write KEY=VALUE"]);
+    room.tdem(&["run", "case.toml", "--threads", "0"]).exits(2);
+    room.tdem(&["run", "case.toml", "--device", "cuda"]).exits(2).complains(&["auto, cpu"]);
+    room.tdem(&["picture", "x", "--view", "sideways"]).exits(2).complains(&["corner"]);
+    assert!(!room.path("runs").exists());
+}
+
+#[test]
+fn a_file_that_is_not_there() {
+    let room = Room::new();
+    room.tdem(&["run", "nope.toml"]).exits(1).complains(&["tdem::case::unreadable", "nope.toml", "tdem new"]);
+    for command in ["resume", "info", "pack", "picture"] {
+        room.tdem(&[command, "nowhere"]).exits(1).complains(&["tdem::results::not-a-run", "nowhere"]);
+    }
+}
+
+#[test]
+fn everything_wrong_is_told_at_once() {
+    let room = Room::new();
+    let case = CASE.replace("density", "densty").replace("poisson_ratio = 0.2", "poisson_ratio = 0.7");
+    room.write("bad.toml", &case.replace("seed = 3", "seed = \"x\""));
+    let said = room.tdem(&["run", "bad.toml"]).exits(1).complains(&[
+        "bad.toml:4:8",
+        "unknown key `material.glass.densty`",
+        "did you mean `density`?",
+        "tdem::case::missing-key",
+        "poisson_ratio = 0.7",
+        "4 errors",
+    ]);
+    assert_eq!(said.out, "");
+    assert!(said.err.is_ascii(), "plain without a terminal:\n{}", said.err);
+    assert!(!room.path("runs").exists());
+    room.write("cut.toml", &CASE[..CASE.len() / 2 + 3]);
+    room.tdem(&["check", "cut.toml"]).exits(1);
+    room.write("binary.toml", "\u{0}\u{1}[[[");
+    room.tdem(&["check", "binary.toml"]).exits(1).complains(&["binary.toml:1"]);
+    room.write("empty.toml", "");
+    room.tdem(&["run", "empty.toml"]).exits(1).complains(&["tdem::case::missing-key"]);
+}
+
+#[test]
+fn an_override_that_makes_no_sense() {
+    let room = Room::new();
+    let check = |set: &str| room.tdem(&["check", "case.toml", "--set", set]).exits(1);
+    check("time.stp=1").complains(&["did you mean `step`?", "case.toml --set time.stp=1"]);
+    check("interaction.4.static_friction=1").complains(&["tdem::case::bad-override", "there is no entry 4"]);
+    check("size=huge").complains(&["tdem::case::unknown-size"]);
+}
+
+#[test]
+fn a_step_too_large_is_refused_with_its_cause() {
+    let room = Room::new();
+    room.tdem(&["run", "case.toml", "--set", "time.step=0.02"]).exits(1).complains(&[
+        "tdem::case::step-unstable",
+        "must be at most",
+        "normal_damping = 200.0",
+        "damping of this pair",
+        "step = \"auto\"",
+    ]);
+    assert!(!room.path("runs").exists());
+}
+
+#[test]
+fn a_run_is_not_mixed_with_another() {
+    let room = Room::new();
+    let run = ["run", "case.toml", "--steps", "10"];
+    room.tdem(&run).exits(0);
+    room.tdem(&run).exits(1).complains(&[
+        "tdem::results::run-exists",
+        "tdem resume runs/case",
+        "--overwrite",
+        "--out DIR",
+    ]);
+    room.tdem(&[&run[..], &["--overwrite"]].concat()).exits(0);
+    std::fs::create_dir(room.path("mine")).unwrap();
+    room.write("mine/thesis.tex", "years of work");
+    let mine = [&run[..], &["--out", "mine", "--overwrite"]].concat();
+    room.tdem(&mine).exits(1).complains(&["tdem::results::occupied", "left alone"]);
+    assert_eq!(std::fs::read_dir(room.path("mine")).unwrap().count(), 1);
+}
+
+#[test]
+fn a_bad_case_does_not_cost_the_old_run() {
+    let room = Room::new();
+    room.tdem(&["run", "case.toml", "--steps", "10", "--out", "old"]).exits(0);
+    room.tdem(&["run", "case.toml", "--set", "time.end=-1", "--out", "old", "--overwrite"]).exits(1);
+    room.tdem(&["resume", "old", "--steps", "20"]).exits(0);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written() {
+    let room = Room::new();
+    room.write("file", "not a folder");
+    for out in ["file", "file/run", "/proc/nothing/run"] {
+        room.tdem(&["run", "case.toml", "--out", out]).exits(1).complains(&["tdem::results::", out]);
+    }
+    room.tdem(&["new", "file/case"]).exits(1).complains(&["tdem::cli::write"]);
+}
+
+/// A step five times as large as stiff springs allow: damping by restitution has no proven limit, so that the case
+/// is warned of, and let go.
+fn exploding() -> String {
+    CASE.replace("[[interaction]]", "[contact]\ndamping = \"restitution\"\noverlap_limit = 0.3\n[[interaction]]")
+        .replace("normal_damping = 200.0", "restitution = 0.9")
+        .replace("step = \"auto\"", "step = 4e-3")
+        .replace("end = 0.2", "end = 4.0")
+        .replace("frames = 5", "frames = 5\ncheckpoint_interval = 0.008")
+}
+
+#[test]
+fn a_run_that_blows_up_names_the_fault_and_can_be_looked_at() {
+    let room = Room::new();
+    room.write("boom.toml", &exploding());
+    let said = room.tdem(&["run", "boom.toml"]).exits(1).complains(&[
+        "warning",
+        "tdem::case::step-large",
+        "tdem::run::",
+        "particle",
+        "at step",
+        "(t = ",
+        "last good checkpoint is of step",
+        "tdem resume runs/boom",
+    ]);
+    assert_eq!(said.out, "");
+    let info = room.tdem(&["info", "runs/boom"]).exits(0);
+    assert!(info.out.contains("checkpoints"), "{}", info.out);
+    let fault = |err: &str| err.lines().find(|line| line.contains("last good checkpoint")).map(str::to_owned);
+    let again = room.tdem(&["resume", "runs/boom"]).exits(1);
+    assert_eq!(fault(&again.err), fault(&said.err), "the same fault, exactly");
+}
+
+#[test]
+fn another_case_in_the_directory_is_noticed() {
+    let room = Room::new();
+    room.tdem(&["run", "case.toml", "--steps", "10", "--out", "run"]).exits(0);
+    let kept = std::fs::read_to_string(room.path("run/case.toml")).unwrap();
+    std::fs::write(room.path("run/case.toml"), kept.replace("density = 2500.0", "density = 2600.0")).unwrap();
+    room.tdem(&["resume", "run"]).exits(1).complains(&["tdem::results::other-case"]);
+    std::fs::write(room.path("run/case.toml"), "model = 7").unwrap();
+    room.tdem(&["resume", "run"]).exits(1).complains(&["run/case.toml"]);
+    room.tdem(&["info", "run"]).exits(0);
+}

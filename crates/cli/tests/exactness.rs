@@ -1,0 +1,125 @@
+//! The same case gives the same bits: on any number of threads, in any mode, and whatever happens in between.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
+
+mod common;
+
+use common::{Room, Said, history_steps};
+
+const RUN: [&str; 4] = ["run", "case.toml", "--hash", "--out"];
+
+fn run(out: &str) -> Vec<&str> {
+    [&RUN[..], &[out]].concat()
+}
+
+#[test]
+fn threads_lanes_and_lists_do_not_change_a_bit() {
+    let room = Room::new();
+    let expected = room.hash(&run("plain"));
+    let modes: [(&str, &[&str]); 5] = [
+        ("one", &["--threads", "1"]),
+        ("two", &["--threads", "2", "--quiet"]),
+        ("seven", &["--threads", "7"]),
+        ("scalar", &["--scalar"]),
+        ("full", &["--list", "full", "--device", "cpu"]),
+    ];
+    for (name, mode) in modes {
+        assert_eq!(room.hash(&[&run(name), mode].concat()), expected, "{name}");
+    }
+}
+
+#[test]
+fn a_run_in_parts_is_the_run_in_one() {
+    let room = Room::new();
+    let whole = room.hash(&run("whole"));
+    let part = room.hash(&[&run("parts")[..], &["--steps", "101"]].concat());
+    assert_ne!(part, whole);
+    assert_eq!(room.hash(&["resume", "parts", "--steps", "101", "--hash"]), part, "it is finished");
+    room.tdem(&["resume", "parts", "--steps", "333", "--scalar"]).exits(0).complains(&["checkpoint of step 101"]);
+    assert_eq!(room.hash(&["resume", "parts", "--threads", "1", "--hash"]), whole);
+    let rest = room.tdem(&["resume", "parts", "--hash"]).exits(0).complains(&["is finished"]);
+    assert_eq!(rest.out.trim(), whole);
+    // What was written is the same as well.
+    assert_eq!(history_steps(&room.path("parts")), history_steps(&room.path("whole")));
+    let frames = |run: &str| std::fs::read_dir(room.path(run).join("frames")).unwrap().count();
+    assert_eq!(frames("parts"), frames("whole"));
+}
+
+#[test]
+fn a_damaged_checkpoint_is_passed_over() {
+    let room = Room::new();
+    let expected = room.hash(&run("whole"));
+    room.tdem(&["run", "case.toml", "--out", "hurt", "--steps", "200"]).exits(0);
+    room.tdem(&["resume", "hurt", "--steps", "400"]).exits(0);
+    let newest = room.checkpoints("hurt").pop().unwrap();
+    let mut bytes = std::fs::read(&newest).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&newest, bytes).unwrap();
+    let info = room.tdem(&["info", "hurt"]).exits(0);
+    assert!(info.out.contains("cannot be used"), "{}", info.out);
+    let said = room.tdem(&["resume", "hurt", "--hash"]).exits(0);
+    let said = said.complains(&["tdem::results::damaged-checkpoint", "warning", "checkpoint of step 200"]);
+    assert_eq!(said.out.trim(), expected);
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::*;
+    use common::{eventually, signal};
+    use std::time::Duration;
+
+    /// Long enough to be interrupted.
+    const LONG: [&str; 2] = ["--set", "time.end=1.0"];
+
+    #[test]
+    fn sigterm_leaves_a_checkpoint_and_the_same_end() {
+        let room = Room::new();
+        let expected = room.hash(&[&run("whole")[..], &LONG].concat());
+        let process = room.start(&[&run("cut")[..], &LONG].concat());
+        assert!(eventually(|| !room.checkpoints("cut").is_empty()));
+        signal(&process, "TERM");
+        let said = Said::of(&process.wait_with_output().unwrap()).exits(128 + 15);
+        let said = said.complains(&["SIGTERM", "a checkpoint was written", "tdem resume cut"]);
+        assert_eq!(said.out, "");
+        assert_eq!(room.hash(&["resume", "cut", "--hash"]), expected);
+    }
+
+    #[test]
+    fn kill_at_any_moment_loses_nothing() {
+        let room = Room::new();
+        // Checkpoints, rows and frames are written all the time, so that the end often comes amid writing.
+        let busy = ["--set", "output.checkpoint_interval=0.002", "--set", "output.frames=100"];
+        let expected = room.hash(&[&run("whole")[..], &busy].concat());
+        let mut moment: u64 = 12_345;
+        for trial in 0..6 {
+            let out = format!("trial{trial}");
+            let mut process = room.start(&[&run(&out)[..], &busy].concat());
+            // Before its case is written there is no run to go on with.
+            assert!(eventually(|| room.path(&out).join("case.toml").exists()));
+            for _ in 0..2 {
+                moment = moment.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                std::thread::sleep(Duration::from_millis((moment >> 33) % 120));
+                // It may have come to its end meanwhile.
+                let _ = process.kill();
+                process.wait().unwrap();
+                room.tdem(&["info", &out]).exits(0);
+                process = room.start(&["resume", &out]);
+            }
+            let _ = process.kill();
+            process.wait().unwrap();
+            assert_eq!(room.hash(&["resume", &out, "--hash"]), expected, "trial {trial}");
+            assert_eq!(history_steps(&room.path(&out)), history_steps(&room.path("whole")));
+        }
+    }
+
+    #[test]
+    fn a_second_process_is_refused() {
+        let room = Room::new();
+        let mut process = room.start(&["run", "case.toml", "--out", "busy", "--set", "time.end=1000.0"]);
+        assert!(eventually(|| !room.checkpoints("busy").is_empty()));
+        let said = room.tdem(&["resume", "busy"]);
+        process.kill().unwrap();
+        process.wait().unwrap();
+        said.exits(1).complains(&["tdem::results::locked", "live process"]);
+    }
+}
