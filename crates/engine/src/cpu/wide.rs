@@ -74,7 +74,7 @@ pub(super) fn prefetch<T>(field: &[T], index: usize) {
     if let Some(element) = field.get(index) {
         // SAFETY: a prefetch reads nothing that the program can see, and the address is that of an element.
         unsafe {
-            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(element).cast())
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(element).cast());
         };
     }
     #[cfg(not(target_arch = "x86_64"))]

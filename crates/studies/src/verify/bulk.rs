@@ -18,14 +18,14 @@ pub(super) const CASES: &[Case] = &[
         tier: Tier::Full,
         source: "isostaticity: 6 contacts per sphere; random close packing: 0.635 to 0.64 (O'Hern et al. 2003)",
         about: "1000 equal frictionless spheres settle on a floor in a shaft that repeats sideways.",
-        body: |bench| packing(bench, 0.0, (5.9, 6.1), (0.63, 0.645)),
+        body: |bench| packing(bench, 0.0, 3, (5.9, 6.1), (0.63, 0.645)),
     },
     Case {
         name: "bulk/friction-0.5",
         tier: Tier::Full,
         source: "Silbert, Soft Matter 6 (2010) 2918, and similar packings, as bands",
         about: "The same with friction 0.5: looser and with fewer contacts.",
-        body: |bench| packing(bench, 0.5, (4.6, 5.0), (0.575, 0.605)),
+        body: |bench| packing(bench, 0.5, 2, (4.6, 5.0), (0.575, 0.605)),
     },
     Case {
         name: "bulk/determinism",
@@ -164,16 +164,22 @@ fn cap(centre: f64, plane: f64) -> f64 {
     std::f64::consts::PI * depth * depth * (RADIUS - depth / 3.0)
 }
 
-fn packing(bench: &mut Bench, friction: f64, contacts: (f64, f64), filled: (f64, f64)) -> Result<(), Fault> {
+fn packing(
+    bench: &mut Bench,
+    friction: f64,
+    stages: u32,
+    contacts: (f64, f64),
+    filled: (f64, f64),
+) -> Result<(), Fault> {
     let mut scene = column(1000, 14.0 * RADIUS, friction);
     let mut state = settle(bench, &scene, 1.0)?;
-    // Fallen and settled soft and fast, then stiff: overlaps end below 2e-4 of a radius.
-    for _ in 0..2 {
+    // Fallen and settled soft and fast, then stiff: contacts beyond the isostatic 6 grow with the root of the overlap.
+    for _ in 0..stages {
         scene = stiffened(&scene, state);
         state = settle(bench, &scene, 1.2)?;
     }
     let overlap = Ledger::of(&state, &scene.plan).largest_overlap;
-    bench.judge("largest overlap, of a radius", "1", overlap, Kind::Statistical.at_most(1e-3));
+    bench.judge("largest overlap, of a radius", "1", overlap, Kind::Statistical.at_most(2e-3));
     judge_rest(bench, &scene, &state);
     let (mean, solid) = interior(&scene, &state, friction);
     let band = |(low, high): (f64, f64)| Kind::Statistical.within(0.5 * (low + high), 0.5 * (high - low));

@@ -26,7 +26,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "stability/oscillator-verlet",
         tier: Tier::Quick,
-        source: "leapfrog: amplitude over start is 1/sqrt(1 - (w dt/2)^2) up to the bound w dt = 2",
+        source: "leapfrog from rest: x = cos(n a), sin(a/2) = w dt/2, up to the bound w dt = 2; beyond it cosh(n a), cosh(a/2) = w dt/2",
         about: "A sphere held by two plates swings a little, just below and just above the bound.",
         body: oscillator_verlet,
     },
@@ -73,9 +73,9 @@ fn dashpot(bench: &mut Bench, integrator: Integrator, gamma_dt: f64, steps: u64)
 }
 
 fn dashpot_verlet(bench: &mut Bench) -> Result<(), Fault> {
-    for part in [0.5, 0.99, 1.01] {
+    for part in [0.25, 0.99, 1.01] {
         let gamma_dt = part * VERLET_DASHPOT_LIMIT;
-        let steps = if part == 0.5 { 5 } else { 400 };
+        let steps = if part == 0.25 { 5 } else { 400 };
         let got = dashpot(bench, Integrator::VelocityVerlet, gamma_dt, steps)?;
         // The first kick is half a step, the last one too: v = (1 - g/2) q^(n-1) (1 - g/2) v0.
         let half = 1.0 - 0.5 * gamma_dt;
@@ -127,7 +127,6 @@ fn oscillator_verlet(bench: &mut Bench) -> Result<(), Fault> {
     for part in [0.5, 0.995] {
         let omega_dt = part * VERLET_OSCILLATOR_LIMIT;
         let got = oscillator(bench, verlet, omega_dt, 0.0, 5000)?;
-        // Started at rest the velocity lags by half a step: positions stay within the amplitude of the start.
         let what = format!("amplitude at {part} of the bound, of the start");
         bench.judge(what, "1", got, Kind::ClosedForm.relative(1.0, 1e-3));
     }
