@@ -4,7 +4,7 @@
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::search::split;
-use super::wide::{Eight, rows_widest};
+use super::wide::{Eight, prefetch, rows_widest};
 use super::{CHUNK, Cpu};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
@@ -354,6 +354,7 @@ pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Row
             slot[l] = (base + l) as u32;
         }
         let group = Group::new(slot, &owner, rows.other);
+        ask_ahead::<V>(scene, rows.other, base + AHEAD);
         let (touch, radii) = law.touch(scene, &group);
         let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
         let crushes = R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
@@ -388,6 +389,23 @@ pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Row
     }
     rows.close_books::<V>();
     crushed
+}
+
+/// Pairs ahead whose other particles are asked for.
+const AHEAD: usize = 3 * WIDTH;
+
+/// Asks for the memory of the others of eight pairs that will be evaluated soon.
+#[inline(always)]
+fn ask_ahead<V: Variant>(scene: &Scene<'_>, other: &[u32], from: usize) {
+    if let Some(others) = other.get(from..from + WIDTH) {
+        for &j in others {
+            prefetch(scene.place, j as usize);
+            prefetch(scene.motion, j as usize);
+            if V::MOMENTS {
+                prefetch(scene.spin, j as usize);
+            }
+        }
+    }
 }
 
 /// Eight pairs: their slots, the rows' particles and the others.

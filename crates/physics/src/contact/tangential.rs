@@ -38,9 +38,9 @@ pub struct Drag<R> {
 ///
 /// 1. the stored displacement is turned into the present plane of contact, keeping its length,
 /// 2. $\boldsymbol\delta \leftarrow \boldsymbol\delta + \mathbf v_t\Delta t$,
-/// 3. $\mathbf F_s = k_t\boldsymbol\delta + \gamma_tm^*\mathbf v_t$,
-/// 4. if $|\mathbf F_s|$ exceeds the stick limit $\mu_sF_n$: $\mathbf F_t = \mu_dF_n\,\mathbf F_s/|\mathbf F_s|$, and
-///    $\boldsymbol\delta$ shrinks until the spring alone is on the cone, if it is outside.
+/// 3. if the spring $k_t\boldsymbol\delta$, or its sum with the dashpot $\gamma_tm^*\mathbf v_t$, exceeds the stick limit
+///    $\mu_sF_n$, the contact slides: $\boldsymbol\delta$ is shortened until $k_t|\boldsymbol\delta| \le \mu_dF_n$,
+/// 4. $\mathbf F_t = k_t\boldsymbol\delta + \gamma_tm^*\mathbf v_t$, shortened to $\mu_dF_n$ while sliding.
 ///
 /// With [`Friction::Rescaled`] a contact whose stiffness grows keeps its force: $\boldsymbol\delta$ shrinks by
 /// $k_{t,old}/k_t$ before step 2.
@@ -51,10 +51,10 @@ pub struct Drag<R> {
 /// | `stick_limit`, `slide_limit` | $\mu_sF_n$, $\mu_dF_n$ | N |
 ///
 /// # Numerics
-/// Sliding never lengthens the spring. Were it to hold what the cone leaves after the dashpot,
-/// $(\mathbf F_t - \gamma_tm^*\mathbf v_t)/k_t$, then in a grazing contact, where cone and $k_t$ vanish but the dashpot does
-/// not, displacement and energy would grow without bound (a packing dropped with the paper's $\gamma_t$ = 150 1/s gained
-/// half its kinetic energy so).
+/// The spring is brought to the cone by itself and never stretched beyond what the surfaces did. Were it to hold all of
+/// $\mathbf F_t$, or $\mathbf F_t$ less the dashpot, it would be stretched without bound at first touch, where $k_t$
+/// vanishes but the dashpots do not (a packing dropped with the paper's $\gamma_t$ = 150 1/s gained half its kinetic
+/// energy so).
 ///
 /// Turning by projection and rescaling is first order in the angle of a step and needs no stored normal. The earlier
 /// stiffness is that of the overlap $h + v_n\Delta t$. The displacement form creates a little energy under
@@ -85,10 +85,11 @@ pub fn friction<R: Real>(
 
     let trial = (turned + velocity * step).named(["trial_x", "trial_y", "trial_z"]);
     let dashpot = (velocity * damping).named(["dashpot_x", "dashpot_y", "dashpot_z"]);
-    let sticking = (trial * stiffness + dashpot).named(["sticking_x", "sticking_y", "sticking_z"]);
-    let size_squared = sticking.dot(sticking).named("size_squared");
-    let slides = size_squared.gt(stick_limit * stick_limit);
-    let slide = Slide { size_squared, limit: slide_limit, stiffness };
+    let stretched = (trial * stiffness).named(["stretched_x", "stretched_y", "stretched_z"]);
+    let stretched_squared = stretched.dot(stretched).named("stretched_squared");
+    let sticking = (stretched + dashpot).named(["sticking_x", "sticking_y", "sticking_z"]);
+    let slides = stretched_squared.max(sticking.dot(sticking)).gt(stick_limit * stick_limit);
+    let slide = Slide { stretched, stretched_squared, dashpot, limit: slide_limit };
     let (force, kept) = R::when(slides, (sticking, trial), slide);
     let force = force.named(["tangential_x", "tangential_y", "tangential_z"]);
     let kept = kept.named(["kept_x", "kept_y", "kept_z"]);
@@ -104,19 +105,23 @@ pub fn friction<R: Real>(
     }
 }
 
-/// Step 4: force and displacement on the cone.
+/// Steps 3 and 4 while sliding: first the spring is brought to the cone, then its sum with the dashpot.
 struct Slide<R> {
-    size_squared: R,
+    stretched: Vec3<R>,
+    stretched_squared: R,
+    dashpot: Vec3<R>,
     limit: R,
-    stiffness: R,
 }
 
 impl<R: Real> Branch<(Vec3<R>, Vec3<R>)> for Slide<R> {
     #[inline(always)]
-    fn taken(self, (sticking, trial): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
-        let sliding = sticking * (self.limit / self.size_squared.sqrt());
-        let spring = self.stiffness * trial.dot(trial).sqrt();
-        (sliding, trial * (self.limit / spring).min(R::lit(1.0)))
+    fn taken(self, (_, trial): (Vec3<R>, Vec3<R>)) -> (Vec3<R>, Vec3<R>) {
+        let one = R::lit(1.0);
+        // A size of 0 gives 0/0 or infinity, and `min` then takes 1.
+        let shortening = (self.limit / self.stretched_squared.sqrt()).min(one);
+        let total = self.stretched * shortening + self.dashpot;
+        let force = total * (self.limit / total.dot(total).sqrt()).min(one);
+        (force, trial * shortening)
     }
 }
 

@@ -60,22 +60,22 @@ DEVICE void contact_of_spheres(const Sphere first, const Sphere second, const To
 fn operations_of_a_contact() {
     let contact = function(&ContactOfSpheres { law: Law::GNTM });
     let always = Operations {
-        additions: 62,
-        multiplications: 90,
+        additions: 64,
+        multiplications: 93,
         divisions: 4,
         square_roots: 3,
-        comparisons: 5,
-        selections: 7,
+        comparisons: 6,
+        selections: 8,
         sign_changes: 1,
     };
     assert_eq!(contact.always, always);
     let sliding = Operations {
-        additions: 2,
-        multiplications: 10,
+        additions: 5,
+        multiplications: 12,
         divisions: 2,
         square_roots: 2,
-        comparisons: 1,
-        selections: 1,
+        comparisons: 2,
+        selections: 2,
         ..Operations::default()
     };
     assert_eq!(contact.in_branches, sliding);
