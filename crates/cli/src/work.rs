@@ -14,6 +14,7 @@ use tdem_engine::{Fault, Simulation, State};
 use tdem_results::{Error, Outcome, RunDirectory, RunError, Schedule, load_final_state, session};
 
 #[derive(Args, Debug)]
+#[group(skip)]
 pub(crate) struct Arguments {
     /// End after N steps in all, instead of at the end of the case
     #[arg(long, value_name = "N")]

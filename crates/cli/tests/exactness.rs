@@ -69,7 +69,7 @@ mod unix {
     use std::time::Duration;
 
     /// Long enough to be interrupted.
-    const LONG: [&str; 2] = ["--set", "time.end=1.0"];
+    const LONG: [&str; 2] = ["--set", "time.end=2.0"];
 
     #[test]
     fn sigterm_leaves_a_checkpoint_and_the_same_end() {
