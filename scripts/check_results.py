@@ -169,7 +169,7 @@ def check_displacement(findings, frames):
         way = after["point"]["displacement"].astype(float) - before["point"]["displacement"].astype(float)
         jump = np.abs(moved - way)
         # A single particle has no extent: its radius stands in.
-        size = max(np.ptp(first["points"], axis=0).max(), first["radius"].max())
+        size = max(np.ptp(first["points"], axis=0).max(), first["point"]["radius"].max())
         findings.check(bool(np.all((jump < 1e-5 * size) | (jump > 0.5 * size))), "displacements and positions disagree")
 
 
