@@ -133,8 +133,8 @@ fn limits(limits: &StepLimits) -> String {
     let causes = std::iter::once("").chain(limits.limits.iter().map(|limit| limit.cause.as_str()));
     for (row, cause) in std::iter::once(&header).chain(&cells).zip(causes) {
         let padded: Vec<String> = row.iter().zip(width).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        text += &format!("  {}  {cause}", padded.join("  "));
-        text.truncate(text.trim_end().len());
+        let line = format!("  {}  {cause}", padded.join("  "));
+        text += line.trim_end();
         text.push('\n');
     }
     text + "Beyond a proven limit a run diverges and is refused; beyond an estimate it is warned of.\n"

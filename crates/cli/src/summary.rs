@@ -109,7 +109,9 @@ fn energy_error(ledger: &Ledger) -> String {
 /// What a run left on the disk, and what to do with it.
 fn files(run: &Path) -> String {
     let mut text = format!("Files in {}:\n", argument(run));
-    let mut file = |name: &str, what: &str| text += &format!("  {name:<31} {what}\n");
+    let mut file = |name: &str, what: &str| {
+        let _ = writeln!(text, "  {name:<31} {what}");
+    };
     // A run that cannot be looked at has already said why.
     if let Ok(info) = info(run)
         && !info.frames.is_empty()
