@@ -78,10 +78,10 @@ fn ledger(ledger: &Ledger) -> String {
         "contacts",
         format!("{} between particles, {} with walls", grouped(ledger.contacts), grouped(ledger.wall_contacts)),
     );
-    text += &entry(
-        "overlap",
-        format!("at most {} % of the mean radius of a pair", number(100.0 * ledger.largest_overlap, 3)),
-    );
+    if ledger.contacts > 0 {
+        let overlap = number(100.0 * ledger.largest_overlap, 3);
+        text += &entry("overlap", format!("at most {overlap} % of the mean radius of a pair"));
+    }
     let unbalanced = match ledger.contacts + ledger.wall_contacts {
         0 => String::new(),
         _ => format!(", unbalanced force ratio {}", number(ledger.unbalanced_force_ratio, 3)),
