@@ -29,7 +29,7 @@ pub(crate) fn load(path: &Path, set: &[(String, String)]) -> Result<Loaded, Repo
 }
 
 fn with(set: &[(String, String)]) -> String {
-    set.iter().map(|(key, value)| format!(" --set {key}={value}")).collect()
+    set.iter().flat_map(|(key, value)| [" --set ", key, "=", value]).collect()
 }
 
 /// Builds a case; other runs that it begins from are read.

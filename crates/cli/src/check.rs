@@ -97,7 +97,7 @@ fn schedule(built: &Built) -> String {
     text + &entry("checkpoints", format!("{clock}{steps}, about {} each", bytes(built.memory.state_bytes)))
 }
 
-/// An estimate of one frame: bytes per particle as measured on a settled packing.
+/// An estimate of one frame, from the sizes of frames of a settled packing and of a single ball.
 fn frame_bytes(built: &Built) -> u64 {
     let fields = built.schedule.fields;
     let particle = BYTES_PER_PARTICLE + if fields.contacts { BYTES_OF_CONTACTS } else { 0 };
@@ -105,9 +105,9 @@ fn frame_bytes(built: &Built) -> u64 {
     FRAME_BYTES + precision * particle * built.state.len() as u64
 }
 
-const FRAME_BYTES: u64 = 20_000;
-const BYTES_PER_PARTICLE: u64 = 90;
-const BYTES_OF_CONTACTS: u64 = 180;
+const FRAME_BYTES: u64 = 15_000;
+const BYTES_PER_PARTICLE: u64 = 63;
+const BYTES_OF_CONTACTS: u64 = 70;
 
 /// All limits of the step, the smallest first, one line each.
 fn limits(limits: &StepLimits) -> String {
@@ -133,8 +133,8 @@ fn limits(limits: &StepLimits) -> String {
     let causes = std::iter::once("").chain(limits.limits.iter().map(|limit| limit.cause.as_str()));
     for (row, cause) in std::iter::once(&header).chain(&cells).zip(causes) {
         let padded: Vec<String> = row.iter().zip(width).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        text += &format!("  {}  {cause}", padded.join("  "));
-        text.truncate(text.trim_end().len());
+        let line = format!("  {}  {cause}", padded.join("  "));
+        text += line.trim_end();
         text.push('\n');
     }
     text + "Beyond a proven limit a run diverges and is refused; beyond an estimate it is warned of.\n"

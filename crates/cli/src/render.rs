@@ -170,7 +170,8 @@ pub(crate) fn text(reports: &Reports) -> String {
     if reports.0.len() > 1 {
         let counts = [(count(Severity::Error), "error"), (count(Severity::Warning), "warning")];
         let counts = counts.iter().filter(|(count, _)| *count > 0).map(|&(count, thing)| counted(count as u64, thing));
-        text += &format!("\n{}", counts.collect::<Vec<_>>().join(", "));
+        text.push('\n');
+        text += &counts.collect::<Vec<_>>().join(", ");
     }
     text.trim_end().to_owned()
 }

@@ -2,39 +2,54 @@
 
 use crate::render::{Report, Reports};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::iterator;
+use signal_hook::low_level::exit;
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Some programs (`timeout`, batch systems) signal a process and then its group, so that one request arrives twice.
+/// What comes so soon is no second request.
+const ECHO: Duration = Duration::from_millis(500);
 
 /// What was caught so far.
 #[derive(Debug)]
 pub(crate) struct Signals {
-    caught: Arc<AtomicUsize>,
+    caught: Arc<AtomicU8>,
 }
 
 impl Signals {
     /// From now on, signals are caught.
     pub(crate) fn catch() -> Result<Self, Reports> {
-        Self::register()
+        Self::listen()
             .map_err(|error| Report::new("tdem::cli::signals", format!("cannot catch signals: {error}")).into())
     }
 
-    fn register() -> io::Result<Self> {
-        let caught = Arc::new(AtomicUsize::new(0));
-        let once = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal finds the shutdown unarmed, and arms it.
-            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&once))?;
-            flag::register(signal, Arc::clone(&once))?;
-            flag::register_usize(signal, Arc::clone(&caught), signal.unsigned_abs() as usize)?;
-        }
+    fn listen() -> io::Result<Self> {
+        let caught = Arc::new(AtomicU8::new(0));
+        let mut incoming = iterator::Signals::new([SIGINT, SIGTERM])?;
+        let told = Arc::clone(&caught);
+        thread::Builder::new().name("signals".to_owned()).spawn(move || {
+            let mut first: Option<Instant> = None;
+            for signal in incoming.forever() {
+                match first {
+                    None => {
+                        first = Some(Instant::now());
+                        told.store(signal as u8, Ordering::Relaxed);
+                    }
+                    Some(first) if first.elapsed() > ECHO => exit(128 + signal),
+                    Some(_) => {}
+                }
+            }
+        })?;
         Ok(Signals { caught })
     }
 
     /// The number of a signal that asks to stop.
     pub(crate) fn caught(&self) -> Option<u8> {
-        u8::try_from(self.caught.load(Ordering::Relaxed)).ok().filter(|&signal| signal > 0)
+        Some(self.caught.load(Ordering::Relaxed)).filter(|&signal| signal > 0)
     }
 }
 

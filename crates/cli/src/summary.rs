@@ -78,10 +78,10 @@ fn ledger(ledger: &Ledger) -> String {
         "contacts",
         format!("{} between particles, {} with walls", grouped(ledger.contacts), grouped(ledger.wall_contacts)),
     );
-    text += &entry(
-        "overlap",
-        format!("at most {} % of the mean radius of a pair", number(100.0 * ledger.largest_overlap, 3)),
-    );
+    if ledger.contacts > 0 {
+        let overlap = number(100.0 * ledger.largest_overlap, 3);
+        text += &entry("overlap", format!("at most {overlap} % of the mean radius of a pair"));
+    }
     let unbalanced = match ledger.contacts + ledger.wall_contacts {
         0 => String::new(),
         _ => format!(", unbalanced force ratio {}", number(ledger.unbalanced_force_ratio, 3)),
@@ -109,7 +109,9 @@ fn energy_error(ledger: &Ledger) -> String {
 /// What a run left on the disk, and what to do with it.
 fn files(run: &Path) -> String {
     let mut text = format!("Files in {}:\n", argument(run));
-    let mut file = |name: &str, what: &str| text += &format!("  {name:<31} {what}\n");
+    let mut file = |name: &str, what: &str| {
+        let _ = writeln!(text, "  {name:<31} {what}");
+    };
     // A run that cannot be looked at has already said why.
     if let Ok(info) = info(run)
         && !info.frames.is_empty()

@@ -33,7 +33,7 @@ Examples:
   tdem verify                      the quick tier, seconds
   tdem verify --full --markdown    everything, as a report
   tdem verify --list               what there is
-  tdem verify incline --device all
+  tdem verify contact --device all
 
 The exit code is 1 if a check fails.";
 
