@@ -4,6 +4,7 @@ use crate::console::{data, say};
 use crate::machine::instructions;
 use crate::render::{Report, Reports};
 use clap::{Args, Subcommand, ValueEnum};
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tdem_engine::cpu;
@@ -125,7 +126,8 @@ fn table(rows: &[(Model, Measurement)]) -> String {
         "model  threads  particles  contacts/particle  best, particle-steps/s  median     bytes/particle  hash",
     );
     for (model, m) in rows {
-        text += &format!(
+        let _ = write!(
+            text,
             "\n{:<5}  {:>7}  {:>9}  {:>17.2}  {:>22.3e}  {:>9.3e}  {:>14.1}  {:032x}",
             model.name(),
             m.threads,

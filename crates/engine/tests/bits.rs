@@ -32,8 +32,8 @@ fn scene(law: Law, integrator: Integrator, radius_ratio: f64) -> (State, Plan) {
 }
 
 fn run(state: &State, plan: &Plan, options: &Options, steps: u64) -> State {
-    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).unwrap();
-    simulation.advance(steps).unwrap();
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
+    simulation.advance(steps).expect("the scene runs through");
     assert!(simulation.searches() > 1, "the scene must rebuild its lists, or it shows nothing");
     simulation.state()
 }
@@ -87,8 +87,8 @@ fn same_bits_when_resumed_at_any_step() {
 }
 
 fn run_short(state: &State, plan: &Plan, steps: u64) -> State {
-    let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).unwrap();
-    simulation.advance(steps).unwrap();
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).expect("the scene is sound");
+    simulation.advance(steps).expect("the scene runs through");
     simulation.state()
 }
 
@@ -101,7 +101,9 @@ fn same_bits_when_particles_are_given_in_another_order() {
     let mirror = |v: [f64; 3]| v.map(|c| -c);
     let mut mirrored = state.clone();
     for field in [&mut mirrored.position, &mut mirrored.velocity, &mut mirrored.wall_position] {
-        field.iter_mut().for_each(|v| *v = mirror(*v));
+        for v in field.iter_mut() {
+            *v = mirror(*v);
+        }
     }
     let mut other = plan.clone();
     other.gravity = mirror(plan.gravity);
