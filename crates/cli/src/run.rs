@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// The case file
     #[arg(value_name = "CASE.toml")]
     case: PathBuf,
-    /// Directory for the results [default: runs/<name of the case file>]
+    /// Directory for the results [default: runs/NAME, after the case file]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Remove the run that is in the directory, and begin anew

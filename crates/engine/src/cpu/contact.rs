@@ -349,11 +349,7 @@ pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Row
     let mut crushed: Crushed = None;
     for base in (0..pairs).step_by(WIDTH) {
         let width = WIDTH.min(pairs - base);
-        let mut slot = [base as u32; WIDTH];
-        for l in 0..width {
-            slot[l] = (base + l) as u32;
-        }
-        let group = Group::new(slot, &owner, rows.other);
+        let group = Group::in_a_row(base, width, &owner, rows.other);
         ask_ahead::<V>(scene, rows.other, base + AHEAD);
         let (touch, radii) = law.touch(scene, &group);
         let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
@@ -363,12 +359,15 @@ pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Row
                 crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
             }
         }
-        for l in 0..width {
-            let (now, before) = (touches >> l & 1 != 0, rows.touching[base + l]);
-            if before && !now {
-                rows.part::<V>(scene, group.i[l] as usize, group.j[l] as usize, base + l);
+        let settled = touches == u8::MAX && rows.touching[base..base + width] == [true; WIDTH];
+        if !settled {
+            for l in 0..width {
+                let (now, before) = (touches >> l & 1 != 0, rows.touching[base + l]);
+                if before && !now {
+                    rows.part::<V>(scene, group.i[l] as usize, group.j[l] as usize, base + l);
+                }
+                rows.touching[base + l] = now;
             }
-            rows.touching[base + l] = now;
         }
         if dense {
             law.evaluate::<V>(scene, rows, &group, &touch, radii, touches & (u8::MAX >> (WIDTH - width)));
@@ -424,6 +423,18 @@ impl Group {
             j[l] = other[slot[l] as usize];
         }
         Group { slot, i, j }
+    }
+    /// Pairs that follow each other in the list; fewer than eight are filled up with the first.
+    #[inline(always)]
+    fn in_a_row(base: usize, width: usize, owner: &[u32], other: &[u32]) -> Self {
+        let mut slot = [base as u32; WIDTH];
+        for l in 0..width {
+            slot[l] = (base + l) as u32;
+        }
+        match (owner[base..].first_chunk(), other[base..].first_chunk()) {
+            (Some(&i), Some(&j)) => Group { slot, i, j },
+            _ => Group::new(slot, owner, other),
+        }
     }
 }
 

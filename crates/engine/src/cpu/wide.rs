@@ -202,10 +202,7 @@ mod x86 {
         /// Eight loads of 32 bytes and twelve shuffles.
         #[inline(always)]
         fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Self; 4] {
-            let mut from = [field[0].0.as_ptr(); WIDTH];
-            for l in 0..WIDTH {
-                from[l] = field[index[l] as usize].0.as_ptr();
-            }
+            let from = pointers(field, index);
             // SAFETY: only code that `rows_avx512` calls uses this type; a quad is 32 bytes at a multiple of 32.
             unsafe {
                 columns([
@@ -222,10 +219,7 @@ mod x86 {
         }
         #[inline(always)]
         fn load_triples(field: &[[f64; 3]], index: &[u32; WIDTH]) -> Vec3<Self> {
-            let mut from = [field[0].as_ptr(); WIDTH];
-            for l in 0..WIDTH {
-                from[l] = field[index[l] as usize].as_ptr();
-            }
+            let from = pointers(field, index);
             // SAFETY: only code that `rows_avx512` calls uses this type; the mask reads three numbers of each triple.
             let [x, y, z, _] = unsafe {
                 columns([
@@ -266,6 +260,23 @@ mod x86 {
             }
             quads.0
         }
+    }
+
+    /// Where eight elements stand. One check for all of them: eight would cost more than the loads.
+    #[inline(always)]
+    fn pointers<T>(field: &[T], index: &[u32; WIDTH]) -> [*const f64; WIDTH] {
+        let mut largest = 0;
+        for l in 0..WIDTH {
+            largest = if index[l] > largest { index[l] } else { largest };
+        }
+        assert!((largest as usize) < field.len(), "a neighbour list names a particle that does not exist");
+        let start = field.as_ptr();
+        let mut to = [start.cast(); WIDTH];
+        for l in 0..WIDTH {
+            // SAFETY: no index is larger than the largest, which is inside the field.
+            to[l] = unsafe { start.add(index[l] as usize) }.cast();
+        }
+        to
     }
 
     /// Where whole registers are stored.
