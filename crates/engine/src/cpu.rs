@@ -10,6 +10,7 @@ mod correct;
 mod gather;
 mod grid;
 mod neighbours;
+mod pieces;
 mod predict;
 mod search;
 mod snapshot;

@@ -1,21 +1,26 @@
 //! Stage `contact`: forces and moments of touching pairs.
 //!
-//! One loop, written for one number and for eight lanes; both call the same laws and give the same bits.
+//! One loop, written for one number here and for eight in `contact/eight.rs`; both call the same laws and give the same
+//! bits.
+
+mod eight;
+
+pub(super) use eight::rows_eight;
 
 use super::bodies::{Bodies, Quad, sphere};
-use super::search::split;
-use super::wide::{Eight, prefetch, rows_widest};
+use super::neighbours::reaction_stride;
+use super::pieces::split;
+use super::wide::rows_widest;
 use super::{CHUNK, Cpu};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
 use rayon::prelude::*;
+use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Damping, Encounter, Friction, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, released_energy,
-    respond, touch_spheres,
+    Damping, Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, released_energy, respond,
+    touch_spheres,
 };
-use tdem_physics::real::WIDTH;
-use tdem_physics::{Vec3, vec3};
 
 /// What a contact loop reads.
 #[derive(Clone, Copy)]
@@ -85,11 +90,6 @@ impl<const F: u8, const MOMENTS: bool, const LEDGER: bool> Variant for Compiled<
 
 /// The pair of lowest ranks that overlaps too much, if any.
 pub(super) type Crushed = Option<(u32, u32)>;
-/// Numbers per reaction.
-pub(super) fn law_stride(law: Law) -> usize {
-    if law.moments { 6 } else { 3 }
-}
-
 type Loop = fn(&Scene<'_>, &mut Rows<'_>) -> Crushed;
 
 /// The loop compiled for a law.
@@ -140,7 +140,7 @@ impl Cpu {
         let mut tasks = Vec::with_capacity(particles.len());
         let mut touching = split(&mut list.touching, &pairs);
         let mut displacement = split(&mut list.displacement, &pairs);
-        let stride = law_stride(self.plan.law);
+        let stride = reaction_stride(self.plan.law);
         let reactions: Vec<usize> = pairs.iter().map(|&p| p * stride).collect();
         let mut reaction = split(&mut list.reaction, &reactions);
         let mut force = split(force, &particles);
@@ -324,295 +324,4 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
 
 fn worse(crushed: Crushed, pair: (u32, u32)) -> (u32, u32) {
     crushed.map_or(pair, |known| known.min(pair))
-}
-
-/// Pairs eight at a time.
-///
-/// Where most listed pairs touch, groups of eight neighbours in the list are evaluated as they come, and lanes that do
-/// not touch are thrown away. Elsewhere the pairs that touch are collected first.
-#[inline(always)]
-pub(super) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
-    let pairs = rows.other.len();
-    rows.open_books::<V>();
-    if pairs == 0 {
-        return None;
-    }
-    let mut owner = vec![0_u32; pairs];
-    for k in 0..rows.start.len() - 1 {
-        owner[rows.row(k)].fill((rows.first + k) as u32);
-    }
-    let law = Eights::<R>::new::<V>(scene);
-    let touched = rows.touching.iter().map(|&t| usize::from(t)).sum::<usize>();
-    let dense = 4 * touched > 3 * pairs;
-    let mut compact = vec![0_u32; if dense { 0 } else { pairs + WIDTH }];
-    let mut count = 0;
-    let mut crushed: Crushed = None;
-    for base in (0..pairs).step_by(WIDTH) {
-        let width = WIDTH.min(pairs - base);
-        let group = Group::in_a_row(base, width, &owner, rows.other);
-        ask_ahead::<V>(scene, rows.other, base + AHEAD);
-        let (touch, radii) = law.touch(scene, &group);
-        let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
-        let crushes = R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
-        if crushes != 0 {
-            for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
-                crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
-            }
-        }
-        let settled = touches == u8::MAX && rows.touching[base..base + width] == [true; WIDTH];
-        if !settled {
-            for l in 0..width {
-                let (now, before) = (touches >> l & 1 != 0, rows.touching[base + l]);
-                if before && !now {
-                    rows.part::<V>(scene, group.i[l] as usize, group.j[l] as usize, base + l);
-                }
-                rows.touching[base + l] = now;
-            }
-        }
-        if dense {
-            law.evaluate::<V>(scene, rows, &group, &touch, radii, touches & (u8::MAX >> (WIDTH - width)));
-        } else {
-            for l in 0..width {
-                compact[count] = (base + l) as u32;
-                count += usize::from(touches >> l & 1);
-            }
-        }
-    }
-    for chosen in compact[..count].chunks(WIDTH) {
-        // A last, short group is filled up with its first pair.
-        let mut slot = [chosen[0]; WIDTH];
-        slot[..chosen.len()].copy_from_slice(chosen);
-        let group = Group::new(slot, &owner, rows.other);
-        let (touch, radii) = law.touch(scene, &group);
-        law.evaluate::<V>(scene, rows, &group, &touch, radii, u8::MAX >> (WIDTH - chosen.len()));
-    }
-    rows.close_books::<V>();
-    crushed
-}
-
-/// Pairs ahead whose other particles are asked for.
-const AHEAD: usize = 3 * WIDTH;
-
-/// Asks for the memory of the others of eight pairs that will be evaluated soon.
-#[inline(always)]
-fn ask_ahead<V: Variant>(scene: &Scene<'_>, other: &[u32], from: usize) {
-    if let Some(others) = other.get(from..from + WIDTH) {
-        for &j in others {
-            prefetch(scene.place, j as usize);
-            prefetch(scene.motion, j as usize);
-            if V::MOMENTS {
-                prefetch(scene.spin, j as usize);
-            }
-        }
-    }
-}
-
-/// Eight pairs: their slots, the rows' particles and the others.
-struct Group {
-    slot: [u32; WIDTH],
-    i: [u32; WIDTH],
-    j: [u32; WIDTH],
-}
-
-impl Group {
-    #[inline(always)]
-    fn new(slot: [u32; WIDTH], owner: &[u32], other: &[u32]) -> Self {
-        let (mut i, mut j) = ([0; WIDTH], [0; WIDTH]);
-        for l in 0..WIDTH {
-            i[l] = owner[slot[l] as usize];
-            j[l] = other[slot[l] as usize];
-        }
-        Group { slot, i, j }
-    }
-    /// Pairs that follow each other in the list; fewer than eight are filled up with the first.
-    #[inline(always)]
-    fn in_a_row(base: usize, width: usize, owner: &[u32], other: &[u32]) -> Self {
-        let mut slot = [base as u32; WIDTH];
-        for l in 0..width {
-            slot[l] = (base + l) as u32;
-        }
-        match (owner[base..].first_chunk(), other[base..].first_chunk()) {
-            (Some(&i), Some(&j)) => Group { slot, i, j },
-            _ => Group::new(slot, owner, other),
-        }
-    }
-}
-
-/// The law in lanes.
-struct Eights<R> {
-    law: Law,
-    period: Option<Period<R>>,
-    step: R,
-    overlap_limit: R,
-    /// The parameters, where there is one pair of materials only.
-    alone: Option<Interaction<R>>,
-}
-
-impl<R: Eight> Eights<R> {
-    #[inline(always)]
-    fn new<V: Variant>(scene: &Scene<'_>) -> Self {
-        Eights {
-            law: scene.law::<V>(),
-            period: lanes_period(scene),
-            step: R::lit(scene.step),
-            overlap_limit: R::lit(scene.overlap_limit),
-            alone: if scene.interactions.len() == 1 { Some(splat(&scene.interactions[0])) } else { None },
-        }
-    }
-
-    /// How eight pairs lie to each other, and their radii.
-    #[inline(always)]
-    fn touch(&self, scene: &Scene<'_>, group: &Group) -> (Touch<R>, [R; 2]) {
-        let [xa, ya, za, ra] = R::load(scene.place, &group.i);
-        let [xb, yb, zb, rb] = R::load(scene.place, &group.j);
-        let mut offset = vec3(xb, yb, zb) - vec3(xa, ya, za);
-        if let Some(period) = &self.period {
-            offset = period.nearest(offset);
-        }
-        (touch_spheres(offset, ra + rb), [ra, rb])
-    }
-
-    /// Evaluates the lanes of a group whose bit is set.
-    #[inline(always)]
-    fn evaluate<V: Variant>(
-        &self,
-        scene: &Scene<'_>,
-        rows: &mut Rows<'_>,
-        group: &Group,
-        touch: &Touch<R>,
-        radii: [R; 2],
-        active: u8,
-    ) {
-        let a = load_spheres::<V, R>(scene, &group.i, radii[0]);
-        let b = load_spheres::<V, R>(scene, &group.j, radii[1]);
-        let arms = [lever_arm(radii[0], touch.overlap), lever_arm(radii[1], touch.overlap)];
-        let mut encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
-        if V::LEDGER && !scene.kick.is_empty() {
-            let first = load_kicks::<V, R>(scene, &group.i, arms[0]);
-            encounter = encounter.settled([first, load_kicks::<V, R>(scene, &group.j, arms[1])]);
-        }
-        let displacement =
-            if V::FRICTION == Friction::Off { Vec3::zero() } else { R::load_triples(rows.displacement, &group.slot) };
-        let interaction = match self.alone {
-            Some(interaction) => interaction,
-            None => gather_interactions(scene, &group.i, &group.j),
-        };
-        let response = respond(self.law, &encounter, displacement, &interaction, self.step);
-        keep_eight::<V, R>(scene, rows, group, &response, arms, active);
-    }
-}
-
-/// Keeps what the contacts do.
-#[inline(always)]
-fn keep_eight<V: Variant, R: Eight>(
-    scene: &Scene<'_>,
-    rows: &mut Rows<'_>,
-    group: &Group,
-    response: &Response<R>,
-    arms: [R; 2],
-    active: u8,
-) {
-    let zero = R::lit(0.0);
-    let force = quads(response.force);
-    let displacement = quads(response.displacement);
-    let moments = [quads(response.moment_per_arm * arms[0]), quads(response.moment_per_arm * arms[1])];
-    for l in 0..WIDTH {
-        if active >> l & 1 == 0 {
-            continue;
-        }
-        let pair = group.slot[l] as usize;
-        rows.keep::<V>(group.i[l] as usize, pair, force[l], [moments[0][l], moments[1][l]]);
-        if V::FRICTION != Friction::Off {
-            rows.displacement[pair].copy_from_slice(&displacement[l][..3]);
-        }
-    }
-    if V::LEDGER {
-        let losses = &response.losses;
-        let losses = R::quads([losses.friction, losses.damping, losses.stiffening, zero]);
-        for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
-            let [friction, damping, stiffening, _] = losses[l];
-            let losses = Losses { friction, damping, stiffening };
-            rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, &losses);
-        }
-    }
-}
-
-#[inline(always)]
-fn lanes_period<R: Eight>(scene: &Scene<'_>) -> Option<Period<R>> {
-    let p = scene.period.as_ref()?;
-    Some(Period {
-        length: vec3(R::lit(p.length.x), R::lit(p.length.y), R::lit(p.length.z)),
-        half: vec3(R::lit(p.half.x), R::lit(p.half.y), R::lit(p.half.z)),
-    })
-}
-
-// Loads and stores are functions that are always inlined, not closures: a closure that stays a function is compiled
-// without the instruction set of its caller, and every instruction in it becomes a call.
-
-/// Eight spheres without their positions.
-#[inline(always)]
-fn load_spheres<V: Variant, R: Eight>(scene: &Scene<'_>, index: &[u32; WIDTH], radius: R) -> Sphere<R> {
-    let [x, y, z, mass] = R::load(scene.motion, index);
-    let mut angular_velocity = Vec3::zero();
-    if V::MOMENTS {
-        let [x, y, z, _] = R::load(scene.spin, index);
-        angular_velocity = vec3(x, y, z);
-    }
-    Sphere { position: Vec3::zero(), radius, velocity: vec3(x, y, z), mass, angular_velocity }
-}
-
-/// How the last half kick changed eight spheres.
-#[inline(always)]
-fn load_kicks<V: Variant, R: Eight>(scene: &Scene<'_>, index: &[u32; WIDTH], arm: R) -> Kick<R> {
-    let [x, y, z, _] = R::load(scene.kick, index);
-    let mut rolling = Vec3::zero();
-    if V::MOMENTS {
-        let [x, y, z, _] = R::load(scene.twist, index);
-        rolling = vec3(x, y, z) * arm;
-    }
-    Kick { velocity: vec3(x, y, z), rolling }
-}
-
-/// Eight vectors, a zero behind each.
-#[inline(always)]
-fn quads<R: Eight>(v: Vec3<R>) -> [[f64; 4]; WIDTH] {
-    R::quads([v.x, v.y, v.z, R::lit(0.0)])
-}
-
-#[inline(always)]
-fn splat<R: Eight>(one: &Interaction<f64>) -> Interaction<R> {
-    Interaction {
-        normal_stiffness: R::lit(one.normal_stiffness),
-        tangential_stiffness: R::lit(one.tangential_stiffness),
-        normal_damping: R::lit(one.normal_damping),
-        tangential_damping: R::lit(one.tangential_damping),
-        static_friction: R::lit(one.static_friction),
-        dynamic_friction: R::lit(one.dynamic_friction),
-        least_normal_force: R::lit(one.least_normal_force),
-    }
-}
-
-/// The parameters of eight pairs of several materials.
-#[inline(always)]
-fn gather_interactions<R: Eight>(scene: &Scene<'_>, i: &[u32; WIDTH], j: &[u32; WIDTH]) -> Interaction<R> {
-    let mut parts = [[0.0; WIDTH]; 7];
-    for l in 0..WIDTH {
-        let of = scene.interaction(i[l] as usize, j[l] as usize);
-        parts[0][l] = of.normal_stiffness;
-        parts[1][l] = of.tangential_stiffness;
-        parts[2][l] = of.normal_damping;
-        parts[3][l] = of.tangential_damping;
-        parts[4][l] = of.static_friction;
-        parts[5][l] = of.dynamic_friction;
-        parts[6][l] = of.least_normal_force;
-    }
-    Interaction {
-        normal_stiffness: R::from_array(parts[0]),
-        tangential_stiffness: R::from_array(parts[1]),
-        normal_damping: R::from_array(parts[2]),
-        tangential_damping: R::from_array(parts[3]),
-        static_friction: R::from_array(parts[4]),
-        dynamic_friction: R::from_array(parts[5]),
-        least_normal_force: R::from_array(parts[6]),
-    }
 }

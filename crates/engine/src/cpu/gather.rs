@@ -2,7 +2,7 @@
 
 use super::bodies::{Bodies, sphere};
 use super::neighbours::{Neighbours, WallSlot};
-use super::search::split;
+use super::pieces::split;
 use super::wide::prefetch;
 use super::{CHUNK, Cpu};
 use crate::Plan;

@@ -1,6 +1,7 @@
 //! Who may touch whom until the next search, and what pairs remember.
 
 use super::CHUNK;
+use tdem_physics::contact::Law;
 
 /// The neighbour list. `P` is the number of listed pairs, `N` of particles, in working order.
 ///
@@ -154,4 +155,9 @@ impl Neighbours {
             + size(&self.wall_slots)
             + size(&self.wall_start)
     }
+}
+
+/// Numbers per entry of [`Neighbours::reaction`].
+pub(crate) fn reaction_stride(law: Law) -> usize {
+    if law.moments { 6 } else { 3 }
 }

@@ -1,9 +1,9 @@
 //! Stage `search`: lists neighbours anew and carries histories over.
 
 use super::bodies::Quad;
-use super::contact::law_stride;
 use super::grid::{Grid, class_of, strip_order};
-use super::neighbours::{Histories, Neighbours, WallSlot};
+use super::neighbours::{Histories, Neighbours, WallSlot, reaction_stride};
+use super::pieces::split;
 use super::{CHUNK, Cpu, List};
 use crate::Fault;
 use rayon::prelude::*;
@@ -189,7 +189,11 @@ impl Cpu {
             other,
             touching,
             displacement,
-            reaction: if self.options.list == List::Half { vec![0.0; pairs * law_stride(law)] } else { Vec::new() },
+            reaction: if self.options.list == List::Half {
+                vec![0.0; pairs * reaction_stride(law)]
+            } else {
+                Vec::new()
+            },
             incoming_start,
             incoming,
             reference: bodies.place.par_iter().map(|p| p.vector().into()).collect(),
@@ -308,17 +312,4 @@ fn incoming(start: &[u32], other: &[u32], rank: &[u32]) -> (Vec<u32>, Vec<u32>) 
         }
     });
     (incoming_start, entries.into_iter().map(|(_, pair)| pair).collect())
-}
-
-/// Cuts a field at ascending bounds; an empty field gives empty pieces.
-pub(super) fn split<'a, T>(field: &'a mut [T], bounds: &[usize]) -> std::vec::IntoIter<&'a mut [T]> {
-    let mut rest = field;
-    let mut pieces = Vec::with_capacity(bounds.len());
-    for bound in bounds.windows(2) {
-        let length = if rest.is_empty() { 0 } else { bound[1] - bound[0] };
-        let (piece, tail) = rest.split_at_mut(length);
-        pieces.push(piece);
-        rest = tail;
-    }
-    pieces.into_iter()
 }
