@@ -171,10 +171,15 @@ impl StepLimits {
     }
 
     /// A step beyond a proven limit is an error, beyond an estimate a warning; one problem for each kind of limit.
+    /// Estimates are not worth a word beside an error.
     pub(crate) fn problems(&self, loaded: &Loaded) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut told: Vec<&str> = Vec::new();
+        let refused = self.limits.iter().any(|limit| limit.proven && self.step > limit.seconds);
         for limit in self.limits.iter().filter(|limit| self.step > limit.seconds) {
+            if refused && !limit.proven {
+                continue;
+            }
             if told.contains(&limit.name) {
                 continue;
             }

@@ -128,6 +128,7 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::Overlap { .. } => "tdem::run::overlap",
         Fault::ListOverflow { .. } => "tdem::run::list-overflow",
         Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",
+        Fault::Threads { .. } => "tdem::run::threads",
         Fault::Inconsistent { .. } => "tdem::run::inconsistent",
     }
 }

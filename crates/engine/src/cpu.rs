@@ -78,10 +78,7 @@ pub(crate) struct Cpu {
 impl Cpu {
     pub(crate) fn new(state: State, plan: &Plan, options: &Options) -> Result<Self, Fault> {
         let threads = options.threads.unwrap_or(0);
-        let pool = ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|_| Fault::Inconsistent { what: "the operating system refuses to start the threads asked for" })?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|_| Fault::Threads { threads })?;
         let mut cpu = Cpu {
             plan: plan.clone(),
             options: *options,

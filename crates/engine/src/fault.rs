@@ -64,6 +64,12 @@ pub enum Fault {
         /// Largest distance of listed centres, m.
         reach: f64,
     },
+    /// The operating system refused to start the threads asked for.
+    #[error("the operating system refuses to start {threads} threads")]
+    Threads {
+        /// Threads asked for; 0 is one per core.
+        threads: usize,
+    },
     /// The fields of a state do not belong together, or not to the plan.
     #[error("the state is not consistent: {what}")]
     Inconsistent {
