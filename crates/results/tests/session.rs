@@ -137,7 +137,7 @@ impl Observer for Impatient {
         self.seen.push(*progress);
         // On a busy machine it takes longer; a run that is never asked, or never writes by the clock, ends all the same.
         let enough = self.seen.len() >= 3 && self.checkpoints >= 2;
-        if enough || self.began.elapsed() > Duration::from_secs(60) { Control::Stop } else { Control::Continue }
+        if enough || self.began.elapsed() > Duration::from_mins(1) { Control::Stop } else { Control::Continue }
     }
     fn note(&mut self, note: &Note) {
         self.checkpoints += usize::from(matches!(note, Note::Checkpoint { .. }));
