@@ -16,8 +16,12 @@ mod search;
 mod snapshot;
 mod wide;
 
-use crate::step::{Backend, step};
+use crate::capture::Capture;
+use crate::step::{Backend, Stages, step};
 use crate::{Fault, Plan, State};
+pub(crate) use bodies::Quad;
+pub(crate) use grid::class_of;
+
 use bodies::Bodies;
 use neighbours::Neighbours;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -60,7 +64,6 @@ pub(crate) struct Cpu {
     options: Options,
     pool: Arc<ThreadPool>,
     step: u64,
-    initial_energy: f64,
     /// Persistent ids by rank, `(N)`.
     ids: Vec<u32>,
     bodies: Bodies,
@@ -84,7 +87,6 @@ impl Cpu {
             options: *options,
             pool: Arc::new(pool),
             step: state.step,
-            initial_energy: state.initial_energy,
             ids: Vec::new(),
             bodies: Bodies::default(),
             neighbours: Neighbours::default(),
@@ -103,11 +105,7 @@ impl Cpu {
     }
 }
 
-impl Backend for Cpu {
-    fn advance(&mut self, steps: u64) -> Result<(), Fault> {
-        let pool = Arc::clone(&self.pool);
-        pool.install(|| (0..steps).try_for_each(|_| step(self)))
-    }
+impl Stages for Cpu {
     fn predict(&mut self) -> Result<(), Fault> {
         self.step += 1;
         self.predict_all()
@@ -126,6 +124,13 @@ impl Backend for Cpu {
     }
     fn correct(&mut self) {
         self.correct_all();
+    }
+}
+
+impl Backend for Cpu {
+    fn advance(&mut self, steps: u64) -> Result<(), Fault> {
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| (0..steps).try_for_each(|_| step(self)))
     }
     fn prepare(&mut self) -> Result<(), Fault> {
         let pool = Arc::clone(&self.pool);
@@ -148,8 +153,9 @@ impl Backend for Cpu {
             Ok(())
         })
     }
-    fn snapshot(&self) -> State {
-        self.pool.install(|| self.state())
+    fn capture(&mut self) -> Result<Capture, Fault> {
+        let state = self.pool.install(|| self.state());
+        Ok(Capture::new(move || Ok(state)))
     }
     fn bytes(&self) -> usize {
         self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])

@@ -76,4 +76,7 @@ pub enum Fault {
         /// What does not fit.
         what: &'static str,
     },
+    /// The device cannot be used, or failed.
+    #[error("{0}")]
+    Device(#[from] crate::gpu::Error),
 }

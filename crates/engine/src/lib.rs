@@ -6,16 +6,21 @@
 //! * [`Ledger`] where the energy is and where it went
 //!
 //! The engine does no input or output. One step is `step.rs`; its stages have the same names as the files of the
-//! back end, [`cpu`].
+//! back ends, [`cpu`] and [`gpu`].
 
+mod capture;
 pub mod cpu;
+mod device;
 mod fault;
+pub mod gpu;
 mod ledger;
 mod plan;
 mod simulation;
 mod state;
 mod step;
 
+pub use capture::Capture;
+pub use device::Device;
 pub use fault::Fault;
 pub use ledger::Ledger;
 pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};

@@ -1,12 +1,17 @@
 //! A state that advances.
 
-use crate::{Fault, Ledger, Plan, State, cpu, step};
+use crate::capture::Capture;
+use crate::step::Backend;
+use crate::{Device, Fault, Ledger, Plan, State};
 
 /// A state advanced by a back end under a plan.
 pub struct Simulation {
     plan: Plan,
-    backend: Box<dyn step::Backend>,
+    backend: Box<dyn Backend>,
     step: u64,
+    particles: usize,
+    /// Mechanical energy at the start of the ledger, J.
+    initial_energy: f64,
 }
 
 impl std::fmt::Debug for Simulation {
@@ -19,42 +24,58 @@ impl Simulation {
     /// Takes a state up. A state that was just built gets its forces and its initial energy here.
     ///
     /// # Errors
-    /// [`Fault::Inconsistent`] if fields do not belong together, and whatever the first search finds.
-    pub fn new(state: State, plan: Plan, options: &cpu::Options) -> Result<Self, Fault> {
+    /// [`Fault::Inconsistent`] if fields do not belong together, [`Fault::Device`] if the device cannot be used, and
+    /// whatever the first search finds.
+    pub fn new(state: State, plan: Plan, device: impl Into<Device>) -> Result<Self, Fault> {
         state.validate(&plan)?;
-        let (step, fresh) = (state.step, !state.forces_known);
-        let mut backend: Box<dyn step::Backend> = Box::new(cpu::Cpu::new(state, &plan, options)?);
+        let (step, fresh, particles, initial_energy) =
+            (state.step, !state.forces_known, state.len(), state.initial_energy);
+        let backend = device.into().open(state, &plan)?;
+        let mut simulation = Simulation { plan, backend, step, particles, initial_energy };
         if fresh {
-            backend.prepare()?;
-            if plan.ledger {
+            simulation.backend.prepare()?;
+            if simulation.plan.ledger {
                 // The ledger starts here: what the springs hold at the start is not created later.
-                let mut state = backend.snapshot();
-                state.initial_energy = Ledger::of(&state, &plan).mechanical();
-                backend = Box::new(cpu::Cpu::new(state, &plan, options)?);
+                let state = simulation.state()?;
+                simulation.initial_energy = Ledger::of(&state, &simulation.plan).mechanical();
             }
         }
-        Ok(Simulation { plan, backend, step })
+        Ok(simulation)
     }
 
     /// Advances a number of steps.
     ///
     /// # Errors
-    /// A [`Fault`] stops the run; the state is then lost, go back to the last snapshot.
+    /// A [`Fault`] stops the run; the state is then lost, go back to the last capture.
     pub fn advance(&mut self, steps: u64) -> Result<(), Fault> {
         self.backend.advance(steps)?;
         self.step += steps;
         Ok(())
     }
 
+    /// The present moment; the simulation may go on before it is looked at.
+    ///
+    /// # Errors
+    /// [`Fault::Device`] if the device fails.
+    pub fn capture(&mut self) -> Result<Capture, Fault> {
+        Ok(self.backend.capture()?.with_initial_energy(self.initial_energy))
+    }
     /// The whole state, in the order of persistent ids.
-    #[must_use]
-    pub fn state(&self) -> State {
-        self.backend.snapshot()
+    ///
+    /// # Errors
+    /// As [`Simulation::capture`].
+    pub fn state(&mut self) -> Result<State, Fault> {
+        self.capture()?.state()
     }
     /// The plan it follows.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
+    }
+    /// Number of particles.
+    #[must_use]
+    pub fn particles(&self) -> usize {
+        self.particles
     }
     /// Steps done.
     #[must_use]

@@ -1,11 +1,11 @@
 //! One step: the algorithm.
 
-use crate::{Fault, State};
+use crate::capture::Capture;
+use crate::Fault;
 
-/// The stages of a step, as a back end offers them. Stage names are file names: `cpu/predict.rs` and so on.
-pub(crate) trait Backend: Send {
-    /// Advances a number of steps.
-    fn advance(&mut self, steps: u64) -> Result<(), Fault>;
+/// The stages of a step. Stage names are file names: `cpu/predict.rs`, `gpu/kernels/predict.cl` and so on; on a device
+/// several may be one kernel.
+pub(crate) trait Stages {
     /// Moves particles and walls to the end of the step, under the forces of its beginning.
     fn predict(&mut self) -> Result<(), Fault>;
     /// Lists neighbours anew if something moved too far since the last time, and carries histories over.
@@ -18,23 +18,29 @@ pub(crate) trait Backend: Send {
     fn boundary(&mut self);
     /// Corrects velocities by the forces of the end of the step.
     fn correct(&mut self);
+}
+
+/// One time step.
+pub(crate) fn step(stages: &mut dyn Stages) -> Result<(), Fault> {
+    stages.predict()?;
+    stages.search()?;
+    stages.contact()?;
+    stages.gather();
+    stages.boundary();
+    stages.correct();
+    Ok(())
+}
+
+/// What computes.
+pub(crate) trait Backend: Send {
+    /// Advances a number of steps.
+    fn advance(&mut self, steps: u64) -> Result<(), Fault>;
     /// Forces for a state that has none yet: as in a step, but nothing moves and no history advances.
     fn prepare(&mut self) -> Result<(), Fault>;
-    /// The whole state, in the order of persistent ids.
-    fn snapshot(&self) -> State;
+    /// The whole state, to be put in the order of persistent ids later; without the initial energy.
+    fn capture(&mut self) -> Result<Capture, Fault>;
     /// Bytes held for the run, all arrays together.
     fn bytes(&self) -> usize;
     /// How often neighbours were listed.
     fn searches(&self) -> u64;
-}
-
-/// One time step.
-pub(crate) fn step(backend: &mut dyn Backend) -> Result<(), Fault> {
-    backend.predict()?;
-    backend.search()?;
-    backend.contact()?;
-    backend.gather();
-    backend.boundary();
-    backend.correct();
-    Ok(())
 }

@@ -27,12 +27,13 @@ mod formulas;
 mod members;
 
 pub use formulas::{
-    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, SphereInertia,
-    StoredEnergy, TouchOfSpheres, TouchOfWall,
+    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, ReleasedBySpheres,
+    ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy, TouchOfSpheres,
+    TouchOfWall,
 };
 pub use members::{Members, Parameter, Parameters};
 
-use crate::contact::{Interaction, Law, Losses, Period, Response, Sphere, Touch};
+use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
 use crate::motion::gear::Trajectory;
 use crate::real::{CFunction, Symbol};
 use crate::{Real, Vec3};
@@ -108,6 +109,7 @@ pub fn types() -> String {
         Vec3::<Symbol>::definition(),
         Period::<Symbol>::definition(),
         Sphere::<Symbol>::definition(),
+        contact::Kick::<Symbol>::definition(),
         Touch::<Symbol>::definition(),
         Interaction::<Symbol>::definition(),
         Losses::<Symbol>::definition(),
@@ -130,6 +132,10 @@ pub fn functions(law: Law) -> Vec<(&'static str, CFunction)> {
         entry(&LeverArm),
         entry(&ContactOfSpheres { law }),
         entry(&ContactWithWall { law }),
+        entry(&SettledContactOfSpheres { law }),
+        entry(&SettledContactWithWall { law }),
+        entry(&ReleasedBySpheres { law }),
+        entry(&ReleasedByWall { law }),
         entry(&StoredEnergy),
         entry(&SphereInertia),
         entry(&Kick),

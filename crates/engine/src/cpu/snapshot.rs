@@ -18,7 +18,7 @@ impl Cpu {
         pool.install(|| self.list_with(&histories))
     }
 
-    /// The whole state, in the order of ids.
+    /// The whole state but the initial energy, in the order of ids.
     pub(super) fn state(&self) -> State {
         let bodies = &self.bodies;
         let n = bodies.len();
@@ -45,7 +45,7 @@ impl Cpu {
         State {
             step: self.step,
             forces_known: true,
-            initial_energy: self.initial_energy,
+            initial_energy: 0.0,
             id: self.ids.clone(),
             material: by_rank.iter().map(|&i| bodies.material[i]).collect(),
             constraint: by_rank.iter().map(|&i| bodies.constraint[i]).collect(),

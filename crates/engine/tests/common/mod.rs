@@ -1,7 +1,7 @@
 //! Scenes that the engine's tests share.
 #![allow(dead_code, reason = "each test binary uses some of the scenes")]
 
-use tdem_engine::physics::contact::{Interaction, Law, damping::restitution_factor};
+use tdem_engine::physics::contact::{Damping, Interaction, Law, damping::restitution_factor};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
 use tdem_engine::{Constraint, Domain, Integrator, Plan, Search, State, Wall};
 
@@ -96,4 +96,26 @@ pub(crate) fn cloud(per_side: usize, spacing: f64, radius_ratio: f64) -> State {
         state.angular_velocity[k] = std::array::from_fn(|d| 40.0 * random(4, (3 * k + d) as u64) - 20.0);
     }
     state
+}
+
+/// A cloud that collides and falls in a box which repeats in x and has walls below, above and at the sides.
+pub(crate) fn scene(law: Law, integrator: Integrator, radius_ratio: f64) -> (State, Plan) {
+    let (per_side, spacing) = (9, 0.02);
+    let length = per_side as f64 * spacing;
+    let mut plan = plan(law, [0.0, -0.01, -0.01], [length, length + 0.01, length + 0.01], [true, false, false]);
+    plan.integrator = integrator;
+    if law.damping == Damping::Restitution {
+        plan.interactions[0] = with_restitution(0.6, plan.interactions[0]);
+    }
+    plan.gravity = [5.0, 0.0, -300.0];
+    plan.search.skin = 2e-3;
+    let mut state = cloud(per_side, spacing, radius_ratio);
+    plan.walls = vec![
+        wall("floor", [0.0, 0.0, 1.0], [0.0, 0.0, 0.3]),
+        wall("left", [0.0, 1.0, 0.0], [0.0; 3]),
+        wall("right", [0.0, -1.0, 0.0], [0.1, 0.0, 0.0]),
+        wall("lid", [0.0, 0.0, -1.0], [0.0, 0.0, -0.5]),
+    ];
+    state.wall_position = vec![[0.0; 3], [0.0; 3], [0.0, length, 0.0], [0.0, 0.0, length]];
+    (state, plan)
 }

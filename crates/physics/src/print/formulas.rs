@@ -120,6 +120,105 @@ impl Formula for ContactWithWall {
     }
 }
 
+/// As [`ContactOfSpheres`], with losses at the velocities that the kicks settle: [`Encounter::settled`].
+#[derive(Clone, Copy, Debug)]
+pub struct SettledContactOfSpheres {
+    /// Which law acts.
+    pub law: Law,
+}
+
+impl Formula for SettledContactOfSpheres {
+    const NAME: &'static str = "settled_contact_of_spheres";
+    const INPUTS: &'static [&'static str] =
+        &["first", "second", "touch", "first_kick", "second_kick", "displacement", "pair", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["response"];
+    type Input<R: Real> =
+        (Sphere<R>, Sphere<R>, Touch<R>, contact::Kick<R>, contact::Kick<R>, Vec3<R>, Interaction<R>, R);
+    type Output<R: Real> = (Response<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(
+        &self,
+        (first, second, touch, first_kick, second_kick, displacement, pair, dt): Self::Input<R>,
+    ) -> Self::Output<R> {
+        let encounter =
+            Encounter::of_spheres(&first, &second, &touch, self.law.moments).settled([first_kick, second_kick]);
+        (contact::respond(self.law, &encounter, displacement, &pair, dt),)
+    }
+}
+
+/// As [`ContactWithWall`], with losses at the velocity that the kick settles: [`Encounter::settled`].
+#[derive(Clone, Copy, Debug)]
+pub struct SettledContactWithWall {
+    /// Which law acts.
+    pub law: Law,
+}
+
+impl Formula for SettledContactWithWall {
+    const NAME: &'static str = "settled_contact_with_wall";
+    const INPUTS: &'static [&'static str] =
+        &["sphere", "touch", "wall_normal", "wall_velocity", "sphere_kick", "displacement", "pair", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["response"];
+    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, contact::Kick<R>, Vec3<R>, Interaction<R>, R);
+    type Output<R: Real> = (Response<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(
+        &self,
+        (sphere, touch, wall_normal, wall_velocity, sphere_kick, displacement, pair, dt): Self::Input<R>,
+    ) -> Self::Output<R> {
+        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments)
+            .settled([sphere_kick, contact::Kick::none()]);
+        (contact::respond(self.law, &encounter, displacement, &pair, dt),)
+    }
+}
+
+/// [`contact::released_energy`] of two spheres that have parted.
+#[derive(Clone, Copy, Debug)]
+pub struct ReleasedBySpheres {
+    /// Which law acted.
+    pub law: Law,
+}
+
+impl Formula for ReleasedBySpheres {
+    const NAME: &'static str = "released_by_spheres";
+    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "displacement", "pair", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["energy"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Vec3<R>, Interaction<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second, touch, displacement, pair, dt): Self::Input<R>) -> Self::Output<R> {
+        let encounter = Encounter::of_spheres(&first, &second, &touch, self.law.moments);
+        (contact::released_energy(&encounter, displacement, &pair, dt),)
+    }
+}
+
+/// [`contact::released_energy`] of a sphere that has parted from a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct ReleasedByWall {
+    /// Which law acted.
+    pub law: Law,
+}
+
+impl Formula for ReleasedByWall {
+    const NAME: &'static str = "released_by_wall";
+    const INPUTS: &'static [&'static str] =
+        &["sphere", "touch", "wall_normal", "wall_velocity", "displacement", "pair", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["energy"];
+    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, Vec3<R>, Interaction<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(
+        &self,
+        (sphere, touch, wall_normal, wall_velocity, displacement, pair, dt): Self::Input<R>,
+    ) -> Self::Output<R> {
+        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments);
+        (contact::released_energy(&encounter, displacement, &pair, dt),)
+    }
+}
+
 /// [`contact::stored_energy`].
 #[derive(Clone, Copy, Debug)]
 pub struct StoredEnergy;

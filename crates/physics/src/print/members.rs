@@ -1,7 +1,7 @@
 //! What the structs of the laws are made of: one table per struct gives its typedef in C, the names by which printed
 //! code reaches its numbers, and its numbers as a flat row.
 
-use crate::contact::{Interaction, Losses, Period, Response, Sphere, Touch};
+use crate::contact::{Interaction, Kick, Losses, Period, Response, Sphere, Touch};
 use crate::motion::gear::Trajectory;
 use crate::{Real, Vec3};
 
@@ -142,6 +142,7 @@ macro_rules! members {
 members!(Vec3 { x: R, y: R, z: R });
 members!(Period { length: Vec3<R>, half as half_length: Vec3<R> });
 members!(Sphere { position: Vec3<R>, radius: R, velocity: Vec3<R>, mass: R, angular_velocity: Vec3<R> });
+members!(Kick { velocity: Vec3<R>, rolling: Vec3<R> });
 members!(Touch { offset: Vec3<R>, distance: R, overlap: R });
 members!(Interaction {
     normal_stiffness: R,
@@ -182,3 +183,4 @@ parameters!(A 0, B 1, C 2, D 3);
 parameters!(A 0, B 1, C 2, D 3, E 4);
 parameters!(A 0, B 1, C 2, D 3, E 4, F 5);
 parameters!(A 0, B 1, C 2, D 3, E 4, F 5, G 6);
+parameters!(A 0, B 1, C 2, D 3, E 4, F 5, G 6, H 7);

@@ -1,0 +1,57 @@
+//! GPUs through OpenCL and CUDA: one dialect of kernels, one trait [`runtime::Runtime`], two runtimes behind it.
+
+mod bodies;
+mod cuda;
+mod devices;
+mod fault;
+mod kernel_cache;
+mod layout;
+mod memory;
+mod opencl;
+mod pool;
+mod program;
+mod run;
+mod runtime;
+mod search;
+mod self_test;
+mod snapshot;
+#[cfg(test)]
+mod tests;
+
+pub use devices::{Api, Listing, Survey, devices, survey};
+pub use runtime::Error;
+
+/// What precedes the source of every kernel: the dialect, for both compilers.
+const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");
+
+use crate::capture::Capture;
+use crate::step::Backend;
+use crate::{Fault, Plan, State};
+use run::Gpu;
+use runtime::Runtime;
+
+/// A back end on a device that holds a validated state.
+pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
+    Ok(match api {
+        Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),
+        Api::Cuda => Box::new(Gpu::new(devices::open_cuda(index)?, state, plan)?),
+    })
+}
+
+impl<R: Runtime> Backend for Gpu<R> {
+    fn advance(&mut self, steps: u64) -> Result<(), Fault> {
+        self.advance_all(steps)
+    }
+    fn prepare(&mut self) -> Result<(), Fault> {
+        self.prepare_all()
+    }
+    fn capture(&mut self) -> Result<Capture, Fault> {
+        Ok(Capture::new(self.capture_all()?))
+    }
+    fn bytes(&self) -> usize {
+        self.queue.bytes()
+    }
+    fn searches(&self) -> u64 {
+        self.searches
+    }
+}

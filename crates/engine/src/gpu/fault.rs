@@ -1,0 +1,72 @@
+//! What the flags tell of, worked out on the host from what the device left.
+
+use super::run::Gpu;
+use super::runtime::{Error, Runtime};
+use super::search::SLICE;
+use crate::Fault;
+use crate::cpu::Quad;
+use tdem_physics::contact::touch_spheres;
+
+/// The bit of a slot that says its pair touched, as in `kernels/particle.cl`.
+const TOUCHING: u32 = 1 << 31;
+
+impl<R: Runtime> Gpu<R> {
+    /// The fault of a particle that is nowhere or outside, the lowest rank of all, at the prediction after `done` steps.
+    pub(super) fn astray(&self, done: u64) -> Result<Fault, Error> {
+        let n = self.particles;
+        let place = self.queue.read(&self.halves[self.now].place, n)?;
+        let rank = self.queue.read(&self.fields.rank, n)?;
+        let domain = &self.plan.domain;
+        let inside = |p: &Quad| (0..3).all(|k| p.0[k] >= domain.min[k] && p.0[k] <= domain.max[k]);
+        let step = self.step + done + 1;
+        let time = self.plan.time(step);
+        let lost = place.iter().zip(&rank).filter(|(p, _)| !inside(p)).min_by_key(|&(_, &rank)| rank);
+        Ok(match lost {
+            Some((place, &rank)) => {
+                let particle = self.ids[rank as usize];
+                let position: [f64; 3] = place.vector().into();
+                if position.iter().all(|c| c.is_finite()) {
+                    Fault::Escaped { step, time, particle, position }
+                } else {
+                    Fault::NotFinite { step, time, particle }
+                }
+            }
+            None => Fault::Inconsistent { what: "the device lost a particle that the host finds in place" },
+        })
+    }
+
+    /// The fault of two particles that overlap too much, the lowest ranks of all, in the last of `done` steps, which read
+    /// the given half.
+    pub(super) fn crushed(&self, half: usize, done: u64) -> Result<Fault, Error> {
+        let n = self.particles;
+        let rank = self.queue.read(&self.fields.rank, n)?;
+        let slice = self.queue.read(&self.rows.slice, n.div_ceil(SLICE) + 1)?;
+        let slots = slice[n.div_ceil(SLICE)] as usize * SLICE;
+        let other = self.queue.read(&self.rows.other, slots)?;
+        let period = self.plan.domain.period();
+        let place = self.queue.read(&self.halves[half].place, n)?;
+        let mut worst: Option<((u32, u32), f64)> = None;
+        for i in 0..n {
+            for k in slice[i / SLICE]..slice[i / SLICE + 1] {
+                let j = (other[k as usize * SLICE + i % SLICE] & !TOUCHING) as usize;
+                if j >= n {
+                    break;
+                }
+                let radius_sum = place[i].scalar() + place[j].scalar();
+                let offset = period.nearest(place[j].vector() - place[i].vector());
+                let overlap = touch_spheres(offset, radius_sum).overlap;
+                let pair = (rank[i].min(rank[j]), rank[i].max(rank[j]));
+                let too_much = overlap > 0.5 * self.plan.overlap_limit * radius_sum;
+                if too_much && worst.is_none_or(|(known, _)| pair < known) {
+                    worst = Some((pair, 2.0 * overlap / radius_sum));
+                }
+            }
+        }
+        if let Some(((first, second), ratio)) = worst {
+            let (step, [first, second]) = (self.step + done, [first, second].map(|rank| self.ids[rank as usize]));
+            let (time, limit) = (self.plan.time(step), self.plan.overlap_limit);
+            return Ok(Fault::Overlap { step, time, first, second, ratio, limit });
+        }
+        Ok(Fault::Inconsistent { what: "the device found an overlap that the host does not find" })
+    }
+}

@@ -1,0 +1,232 @@
+// Stages `contact`, `gather` and `boundary`: forces and moments of touching pairs, walls, gravity.
+
+#if ONE_PAIR
+#define INTERACTION(first, second)  step.pair
+#else
+#define INTERACTION(first, second)  interactions[(first) * step.materials + (second)]
+#endif
+
+// What a particle feels. The row's order is the order of the sum: higher ranks, lower ranks, walls.
+DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
+                        GLOBAL const Quad *RESTRICT place, GLOBAL const Quad *RESTRICT motion,
+                        GLOBAL const Quad *RESTRICT spin, GLOBAL const u32 *RESTRICT kind,
+                        GLOBAL const Interaction *RESTRICT interactions, GLOBAL const u32 *RESTRICT slice,
+                        GLOBAL u32 *RESTRICT other, GLOBAL real *RESTRICT displacement,
+                        GLOBAL const Wall *RESTRICT walls, GLOBAL const Quad *RESTRICT wall_place,
+#if LEDGER
+                        GLOBAL const Quad *RESTRICT kick_by_half, GLOBAL const Quad *RESTRICT twist_by_half,
+                        GLOBAL const u32 *RESTRICT rank, real *account,
+#endif
+                        Vec3 *force, Vec3 *moment)
+{
+    u32 flags = 0;
+    Vec3 f = zero(), m = zero();
+    const u32 end = slice[i / SLICE + 1u];
+    u32 k = slice[i / SLICE];
+#if LEDGER
+    const u32 my_rank = rank[i];
+    Vec3 my_kick = zero(), my_twist = zero();
+#if !GEAR
+    my_kick = vector(kick_by_half[i]);
+#if MOMENTS
+    my_twist = vector(twist_by_half[i]);
+#endif
+#endif
+    real friction = 0.0, damping = 0.0, stiffening = 0.0, released = 0.0;
+#endif
+    for (; k < end; ++k) {
+        const u32 entry = other[SLOT(k, i)];
+        const u32 j = entry & ~TOUCHING;
+        if (j >= step.particles)
+            break;
+        const Quad x = LOAD(place, j);
+        Touch touch;
+        touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + x.w, &touch);
+        if (touch.overlap > 0.0) {
+            const Quad v = LOAD(motion, j);
+#if MOMENTS
+            const Quad w = LOAD(spin, j);
+#else
+            const Quad w = QUAD(0.0, 0.0, 0.0, 0.0);
+#endif
+            const Sphere partner = sphere(x, v, w);
+            Vec3 kept = zero();
+#if FRICTION
+            if (entry & TOUCHING)
+                kept = displacement_at(displacement, k, i);
+#endif
+            Response response;
+            real arm;
+            lever_arm(body.radius, touch.overlap, &arm);
+#if LEDGER && !GEAR
+            real partner_arm;
+            lever_arm(x.w, touch.overlap, &partner_arm);
+            Kick mine, theirs;
+            mine.velocity = my_kick;
+            mine.rolling = times(my_twist, arm);
+            theirs.velocity = vector(kick_by_half[j]);
+#if MOMENTS
+            theirs.rolling = times(vector(twist_by_half[j]), partner_arm);
+#else
+            theirs.rolling = zero();
+#endif
+            settled_contact_of_spheres(body, partner, touch, mine, theirs, kept,
+                                       INTERACTION(material, MATERIAL_OF(kind[j])), step.history_dt, &response);
+#else
+            contact_of_spheres(body, partner, touch, kept, INTERACTION(material, MATERIAL_OF(kind[j])),
+                               step.history_dt, &response);
+#endif
+            f = plus(f, response.force);
+#if MOMENTS
+            m = plus(m, times(response.moment_per_arm, arm));
+#endif
+#if FRICTION
+            keep_displacement(displacement, k, i, step.frozen ? kept : response.displacement);
+#endif
+            if (!(entry & TOUCHING))
+                other[SLOT(k, i)] = j | TOUCHING;
+            if (touch.overlap > step.overlap_limit * (body.radius + x.w))
+                flags |= CRUSHED;
+#if LEDGER
+            if (my_rank < rank[j]) {
+                friction += response.losses.friction;
+                damping += response.losses.damping;
+                stiffening += response.losses.stiffening;
+            }
+#endif
+        } else if (entry & TOUCHING) {
+            other[SLOT(k, i)] = j;
+#if LEDGER && FRICTION
+            if (my_rank < rank[j]) {
+                real energy;
+                released_by_spheres(body, sphere(x, motion[j],
+#if MOMENTS
+                                                 spin[j]
+#else
+                                                 QUAD(0.0, 0.0, 0.0, 0.0)
+#endif
+                                                 ), touch, displacement_at(displacement, k, i),
+                                    INTERACTION(material, MATERIAL_OF(kind[j])), step.history_dt, &energy);
+                released += energy;
+            }
+#endif
+        }
+    }
+#if LEDGER
+    account[0] += friction;
+    account[1] += damping;
+    account[2] += stiffening - released;
+#endif
+    for (; k < end; ++k) {
+        const u32 entry = other[SLOT(k, i)];
+        const u32 j = entry & ~TOUCHING;
+        if (j == NOBODY)
+            break;
+        const u32 w = j - step.particles;
+        const Wall wall = walls[w];
+        Touch touch;
+        touch_of_wall(body.position, body.radius, vector(wall_place[w]), wall.normal, &touch);
+        if (touch.overlap > 0.0) {
+            Vec3 kept = zero();
+#if FRICTION
+            if (entry & TOUCHING)
+                kept = displacement_at(displacement, k, i);
+#endif
+            Response response;
+            real arm;
+            lever_arm(body.radius, touch.overlap, &arm);
+#if LEDGER && !GEAR
+            Kick mine;
+            mine.velocity = my_kick;
+            mine.rolling = times(my_twist, arm);
+            settled_contact_with_wall(body, touch, wall.normal, wall.velocity, mine, kept,
+                                      INTERACTION(material, wall.material), step.history_dt, &response);
+#else
+            contact_with_wall(body, touch, wall.normal, wall.velocity, kept, INTERACTION(material, wall.material),
+                              step.history_dt, &response);
+#endif
+            f = plus(f, response.force);
+#if MOMENTS
+            m = plus(m, times(response.moment_per_arm, arm));
+#endif
+#if FRICTION
+            keep_displacement(displacement, k, i, step.frozen ? kept : response.displacement);
+#endif
+            if (!(entry & TOUCHING))
+                other[SLOT(k, i)] = j | TOUCHING;
+#if LEDGER
+            account[0] += response.losses.friction;
+            account[1] += response.losses.damping;
+            account[2] += response.losses.stiffening;
+            account[3] += inner(response.force, wall.velocity) * step.history_dt;
+#endif
+        } else if (entry & TOUCHING) {
+            other[SLOT(k, i)] = j;
+#if LEDGER && FRICTION
+            real energy;
+            released_by_wall(body, touch, wall.normal, wall.velocity, displacement_at(displacement, k, i),
+                             INTERACTION(material, wall.material), step.history_dt, &energy);
+            account[2] -= energy;
+#endif
+        }
+    }
+    *force = plus(f, times(step.gravity, body.mass));
+    *moment = m;
+    return flags;
+}
+
+#if LEDGER && CONSTRAINED
+// Power of the forces on prescribed components, W.
+DEVICE real power(const Vec3 force, const Vec3 given, const u32 held)
+{
+    return 0.0 + force.x * (held & 1u ? given.x : 0.0) + force.y * (held & 2u ? given.y : 0.0)
+         + force.z * (held & 4u ? given.z : 0.0);
+}
+#endif
+
+kernel contact
+{
+    const u32 flags = halted(step, status);
+    if (!flags) {
+        FOR_EACH(i, step.particles) {
+#if MOMENTS
+            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), LOAD(spin, i));
+#else
+            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), QUAD(0.0, 0.0, 0.0, 0.0));
+#endif
+            Vec3 f, m;
+#if LEDGER
+            real account[4];
+            for (u32 c = 0; c < 4u; ++c)
+                account[c] = accounts[PLANE(c, i)];
+#endif
+            const u32 wrong = sum_contacts(step, i, body, MATERIAL_OF(kind[i]), place, motion, spin, kind, interactions,
+                                           slice, other, displacement, walls, wall_place,
+#if LEDGER
+                                           kick_by_half, twist_by_half, rank, account,
+#endif
+                                           &f, &m);
+            if (wrong)
+                raise_flags(step, status, wrong);
+#if LEDGER
+#if CONSTRAINED
+            if (CONSTRAINT_OF(kind[i])) {
+                const Constraint held = constraints[CONSTRAINT_OF(kind[i])];
+                account[3] -= power(f, held.velocity, held.components) * step.history_dt;
+#if MOMENTS
+                account[3] -= power(m, held.angular_velocity, held.components >> 3) * step.history_dt;
+#endif
+            }
+#endif
+            if (!step.frozen)
+                for (u32 c = 0; c < 4u; ++c)
+                    accounts[PLANE(c, i)] = account[c];
+#endif
+            force[i] = quad(f, 0.0);
+#if MOMENTS
+            moment[i] = quad(m, 0.0);
+#endif
+        }
+    }
+    hand_on(step, status, flags, 1u);
+}

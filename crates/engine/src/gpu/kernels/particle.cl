@@ -1,0 +1,121 @@
+// What kernels share: vectors, particles in their buffers, rows of the neighbour list, the run's status.
+
+DEVICE Vec3 vector(const Quad q)                     { Vec3 v; v.x = q.x; v.y = q.y; v.z = q.z; return v; }
+DEVICE Vec3 zero(void)                               { Vec3 v; v.x = 0.0; v.y = 0.0; v.z = 0.0; return v; }
+DEVICE Quad quad(const Vec3 v, const real w)         { return QUAD(v.x, v.y, v.z, w); }
+DEVICE Vec3 plus(const Vec3 a, const Vec3 b)         { Vec3 v; v.x = a.x + b.x; v.y = a.y + b.y; v.z = a.z + b.z; return v; }
+DEVICE Vec3 minus(const Vec3 a, const Vec3 b)        { Vec3 v; v.x = a.x - b.x; v.y = a.y - b.y; v.z = a.z - b.z; return v; }
+DEVICE Vec3 times(const Vec3 a, const real s)        { Vec3 v; v.x = a.x * s; v.y = a.y * s; v.z = a.z * s; return v; }
+DEVICE real inner(const Vec3 a, const Vec3 b)        { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+DEVICE Sphere sphere(const Quad place, const Quad motion, const Quad spin)
+{
+    Sphere s;
+    s.position = vector(place);
+    s.radius = place.w;
+    s.velocity = vector(motion);
+    s.mass = motion.w;
+    s.angular_velocity = vector(spin);
+    return s;
+}
+
+// From one centre to the other, the shortest way.
+DEVICE Vec3 offset_between(const Step step, const Vec3 from, const Vec3 to)
+{
+    const Vec3 offset = minus(to, from);
+#if PERIODIC
+    Vec3 nearest;
+    nearest_image(step.period, offset, &nearest);
+    return nearest;
+#else
+    return offset;
+#endif
+}
+
+// Rows stand side by side in slices of SLICE particles, so that neighbouring work-items read neighbouring words. A slot
+// holds the other particle, or the number of particles plus the index of a wall, or NOBODY behind the last.
+#define SLICE     32u
+#define TOUCHING  0x80000000u
+#define NOBODY    0x7fffffffu
+#define SLOT(k, i)                ((size_t)(k) * SLICE + (i) % SLICE)
+#define DISPLACEMENT(k, c, i)     (((size_t)(k) * 3u + (c)) * SLICE + (i) % SLICE)
+
+DEVICE Vec3 displacement_at(GLOBAL const real *RESTRICT displacement, const u32 k, const u32 i)
+{
+    Vec3 v;
+    v.x = displacement[DISPLACEMENT(k, 0, i)];
+    v.y = displacement[DISPLACEMENT(k, 1, i)];
+    v.z = displacement[DISPLACEMENT(k, 2, i)];
+    return v;
+}
+
+DEVICE void keep_displacement(GLOBAL real *RESTRICT displacement, const u32 k, const u32 i, const Vec3 v)
+{
+    displacement[DISPLACEMENT(k, 0, i)] = v.x;
+    displacement[DISPLACEMENT(k, 1, i)] = v.y;
+    displacement[DISPLACEMENT(k, 2, i)] = v.z;
+}
+
+// Fields of several numbers per particle stand in planes of one number each.
+#define PLANE(c, i)  ((size_t)(c) * step.particles + (i))
+
+DEVICE Vec3 planes_at(const Step step, GLOBAL const real *RESTRICT field, const u32 first, const u32 i)
+{
+    Vec3 v;
+    v.x = field[PLANE(first, i)];
+    v.y = field[PLANE(first + 1, i)];
+    v.z = field[PLANE(first + 2, i)];
+    return v;
+}
+
+DEVICE void set_planes(const Step step, GLOBAL real *RESTRICT field, const u32 first, const u32 i, const Vec3 v)
+{
+    field[PLANE(first, i)] = v.x;
+    field[PLANE(first + 1, i)] = v.y;
+    field[PLANE(first + 2, i)] = v.z;
+}
+
+// The status of the run. A kernel reads the flags that the one before it left and raises its own for the next; while any
+// flag is up, nothing is computed, and the host decides.
+#define FLAGS(parity)  (parity)
+#define DONE           2
+#define FARTHEST_STEP  3
+#define LIST_DUE       1u
+#define ASTRAY         2u
+#define CRUSHED        4u
+
+DEVICE void raise_flags(const Step step, GLOBAL u32 *status, const u32 flags)
+{
+    GLOBAL u32 *next = status + FLAGS(1u - step.parity);
+    if ((*next & flags) != flags)
+        ATOMIC_OR(next, flags);
+}
+
+DEVICE u32 halted(const Step step, GLOBAL u32 *status)
+{
+    return status[FLAGS(step.parity)];
+}
+
+// The first work-item hands flags on, or counts the step.
+DEVICE void hand_on(const Step step, GLOBAL u32 *status, const u32 flags, const u32 steps)
+{
+    if (GROUP_INDEX == 0u && LOCAL_INDEX == 0u) {
+        if (flags)
+            raise_flags(step, status, flags);
+        else
+            status[DONE] += steps;
+    }
+}
+
+#define CONSTRAINT_OF(kind)  ((kind) >> 16)
+#define MATERIAL_OF(kind)    ((kind) & 0xffffu)
+
+// Puts prescribed components in the place of computed ones.
+DEVICE Vec3 prescribe(const Vec3 computed, const Vec3 given, const u32 held)
+{
+    Vec3 v = computed;
+    if (held & 1u) v.x = given.x;
+    if (held & 2u) v.y = given.y;
+    if (held & 4u) v.z = given.z;
+    return v;
+}

@@ -1,0 +1,323 @@
+// Stage `search`: cells, the order of the particles, the neighbour list.
+
+// Partial bounds of all centres, one pair of corners per group.
+kernel bounds
+{
+    LOCAL Quad lowest[128];
+    LOCAL Quad highest[128];
+    const u32 lane = LOCAL_INDEX;
+    Quad low = QUAD(INFINITY, INFINITY, INFINITY, 0.0), high = QUAD(-INFINITY, -INFINITY, -INFINITY, 0.0);
+    for (u32 i = GROUP_INDEX * 128u + lane; i < particles; i += GROUP_COUNT * 128u) {
+        const Quad x = place[i];
+        low.x = x.x < low.x ? x.x : low.x;
+        low.y = x.y < low.y ? x.y : low.y;
+        low.z = x.z < low.z ? x.z : low.z;
+        high.x = x.x > high.x ? x.x : high.x;
+        high.y = x.y > high.y ? x.y : high.y;
+        high.z = x.z > high.z ? x.z : high.z;
+    }
+    lowest[lane] = low;
+    highest[lane] = high;
+    BARRIER;
+    for (u32 reach = 64u; reach > 0u; reach /= 2u) {
+        if (lane < reach) {
+            const Quad a = lowest[lane + reach], b = highest[lane + reach];
+            low.x = a.x < low.x ? a.x : low.x;
+            low.y = a.y < low.y ? a.y : low.y;
+            low.z = a.z < low.z ? a.z : low.z;
+            high.x = b.x > high.x ? b.x : high.x;
+            high.y = b.y > high.y ? b.y : high.y;
+            high.z = b.z > high.z ? b.z : high.z;
+            lowest[lane] = low;
+            highest[lane] = high;
+        }
+        BARRIER;
+    }
+    if (lane == 0u) {
+        corners[2u * GROUP_INDEX] = low;
+        corners[2u * GROUP_INDEX + 1u] = high;
+    }
+}
+
+// Size classes, each half as large as the one before.
+DEVICE u32 class_of(const real radius, const real largest)
+{
+    u32 class_index = 0;
+    real bound = 0.5 * largest;
+    while (radius <= bound && class_index < 30u) {
+        ++class_index;
+        bound *= 0.5;
+    }
+    return class_index;
+}
+
+// A coordinate in cells, inside the grid whatever it is, even if it is not a number.
+DEVICE u32 cell_along(const real coordinate, const real low, const real per_metre, const u32 cells)
+{
+    real c = (coordinate - low) * per_metre;
+    c = c > 0.0 ? c : 0.0;
+    const real last = (real)(cells - 1u);
+    return (u32)(c < last ? c : last);
+}
+
+// Cells are numbered in strips: row after row along x, some rows side by side in y, then the next layer in z, and when a
+// strip is done the next strip. Particles stand in this order, so that neighbours in space are near in memory.
+DEVICE u32 cell_number(const Level level, const u32 x, const u32 y, const u32 z)
+{
+    return level.first_cell + ((y / level.strip * level.cells_z + z) * level.strip + y % level.strip) * level.cells_x + x;
+}
+
+kernel cells
+{
+    FOR_EACH(i, search.particles) {
+        const Quad x = place[i];
+        const Level level = levels[search.levels > 1u ? class_of(x.w, search.largest) : 0u];
+        const u32 cell = cell_number(level, cell_along(x.x, level.min.x, level.per_metre.x, level.cells_x),
+                                     cell_along(x.y, level.min.y, level.per_metre.y, level.cells_y),
+                                     cell_along(x.z, level.min.z, level.per_metre.z, level.cells_z));
+        cell_of[i] = cell;
+        place_in_cell[i] = ATOMIC_ADD(cell_count + cell, 1u);
+    }
+}
+
+kernel order_cells
+{
+    FOR_EACH(i, particles) {
+        order[cell_start[cell_of[i]] + place_in_cell[i]] = i;
+    }
+}
+
+// Inside a cell particles stand in the order of ranks, whichever came first.
+kernel order_ranks
+{
+    FOR_EACH(c, cell_total) {
+        const u32 start = cell_start[c], end = cell_start[c + 1u];
+        for (u32 at = start + 1u; at < end; ++at) {
+            const u32 item = order[at];
+            const u32 key = rank[item];
+            u32 to = at;
+            while (to > start && rank[order[to - 1u]] > key) {
+                order[to] = order[to - 1u];
+                --to;
+            }
+            order[to] = item;
+        }
+    }
+}
+
+kernel take_quads
+{
+    FOR_EACH(i, particles) {
+        to[i] = from[order[i]];
+    }
+}
+
+kernel take_words
+{
+    FOR_EACH(i, particles) {
+        to[i] = from[order[i]];
+    }
+}
+
+kernel take_images
+{
+    FOR_EACH(i, particles) {
+        const u32 source = order[i];
+        for (u32 c = 0; c < 3u; ++c)
+            to[(size_t)c * particles + i] = from[(size_t)c * particles + source];
+    }
+}
+
+kernel take_reals
+{
+    FOR_EACH(i, particles) {
+        const u32 source = order[i];
+        for (u32 c = 0; c < planes; ++c)
+            to[(size_t)c * particles + i] = from[(size_t)c * particles + source];
+    }
+}
+
+DEVICE int near(const Search search, const Quad a, const Quad b)
+{
+    Vec3 offset = minus(vector(b), vector(a));
+#if PERIODIC
+    Vec3 nearest;
+    nearest_image(search.period, offset, &nearest);
+    offset = nearest;
+#endif
+    const real reach = a.w + b.w + search.skin;
+    return inner(offset, offset) < reach * reach;
+}
+
+DEVICE int near_wall(const Search search, const Quad x, const Wall wall, const Quad point)
+{
+    Touch touch;
+    touch_of_wall(vector(x), x.w, vector(point), wall.normal, &touch);
+    return touch.overlap > -search.skin;
+}
+
+// The cells within reach along one direction: the first, and how many; they may go round where the box repeats.
+DEVICE i32 first_within(const real coordinate, const real reach, const real low, const real per_metre, const u32 cells,
+                        const u32 wraps, u32 *many)
+{
+    real a = (coordinate - reach - low) * per_metre;
+    real b = (coordinate + reach - low) * per_metre;
+    const real last = (real)(cells - 1u);
+    if (!wraps) {
+        a = a > 0.0 ? a : 0.0;
+        a = a < last ? a : last;
+        b = b > 0.0 ? b : 0.0;
+        b = b < last ? b : last;
+        *many = (u32)b - (u32)a + 1u;
+        return (i32)a;
+    }
+    // Towards minus infinity: a cast goes towards zero. A particle is inside its box, and so is its reach up to one box.
+    const i32 shift = (i32)cells;
+    const real room = (real)shift;
+    a = a > -room ? a : -room;
+    b = b < 2.0 * room ? b : 2.0 * room;
+    const i32 from = (i32)(a + room) - shift, to = (i32)(b + room) - shift;
+    if (to - from + 1 >= (i32)cells) {
+        *many = cells;
+        return 0;
+    }
+    *many = (u32)(to - from + 1);
+    return from;
+}
+
+DEVICE u32 wrapped(const i32 cell, const u32 cells)
+{
+    return (u32)(cell < 0 ? cell + (i32)cells : cell >= (i32)cells ? cell - (i32)cells : cell);
+}
+
+// The walk over all candidates of a particle; VISIT(j) is expanded for each.
+#define AROUND(VISIT)                                                                                                  \
+    for (u32 l = 0; l < search.levels; ++l) {                                                                          \
+        const Level level = levels[l];                                                                                 \
+        const real reach = 1.0000001 * (x.w + level.largest + search.skin);                                            \
+        u32 many_x, many_y, many_z;                                                                                    \
+        const i32 from_x = first_within(x.x, reach, level.min.x, level.per_metre.x, level.cells_x, search.wraps & 1u,  \
+                                        &many_x);                                                                      \
+        const i32 from_y = first_within(x.y, reach, level.min.y, level.per_metre.y, level.cells_y, search.wraps & 2u,  \
+                                        &many_y);                                                                      \
+        const i32 from_z = first_within(x.z, reach, level.min.z, level.per_metre.z, level.cells_z, search.wraps & 4u,  \
+                                        &many_z);                                                                      \
+        for (u32 cz = 0; cz < many_z; ++cz)                                                                            \
+            for (u32 cy = 0; cy < many_y; ++cy) {                                                                      \
+                const u32 row = cell_number(level, 0, wrapped(from_y + (i32)cy, level.cells_y),                        \
+                                            wrapped(from_z + (i32)cz, level.cells_z));                                 \
+                for (u32 cx = 0; cx < many_x;) {                                                                       \
+                    /* Cells side by side along x are one run of particles, up to the seam. */                         \
+                    const u32 cell = wrapped(from_x + (i32)cx, level.cells_x);                                         \
+                    const u32 left = many_x - cx, room = level.cells_x - cell;                                         \
+                    const u32 run = left < room ? left : room;                                                         \
+                    const u32 stop = cell_start[row + cell + run];                                                     \
+                    for (u32 j = cell_start[row + cell]; j < stop; ++j)                                                \
+                        if (j != i && near(search, x, LOAD(place, j))) {                                               \
+                            VISIT(j)                                                                                   \
+                        }                                                                                              \
+                    cx += run;                                                                                         \
+                }                                                                                                      \
+            }                                                                                                          \
+    }
+
+// The length of each slice is that of its longest row.
+kernel rows_count
+{
+    LOCAL u32 length[128];
+    const u32 lane = LOCAL_INDEX;
+    const u32 i = GROUP_INDEX * 128u + lane;
+    u32 entries = 0;
+    if (i < search.particles) {
+        const Quad x = LOAD(place, i);
+#define COUNT(j) ++entries;
+        AROUND(COUNT)
+        for (u32 w = 0; w < search.walls; ++w)
+            if (near_wall(search, x, walls[w], wall_place[w]))
+                ++entries;
+    }
+    length[lane] = entries;
+    BARRIER;
+    if (lane % SLICE == 0u && i < search.particles) {
+        u32 longest = 0;
+        for (u32 k = 0; k < SLICE; ++k)
+            longest = length[lane + k] > longest ? length[lane + k] : longest;
+        slice_length[i / SLICE] = longest;
+    }
+}
+
+// Rows in their order, with what touching pairs remember.
+kernel rows_fill
+{
+    FOR_EACH(i, search.items) {
+        if (i < search.walls)
+            wall_reference[i] = wall_place[i];
+        if (i >= search.particles)
+            continue;
+        const Quad x = LOAD(place, i);
+        const u32 mine = rank[i];
+        const u32 start = slice[i / SLICE], end = slice[i / SLICE + 1u];
+        u32 last = start;
+        // Higher ranks first, then lower ones, each in their order: that of the difference, if it goes round.
+#define INSERT(j)                                                                                                      \
+        {                                                                                                              \
+            const u32 key = rank[j] - mine;                                                                            \
+            u32 to = last;                                                                                             \
+            while (to > start && rank[other[SLOT(to - 1u, i)]] - mine > key) {                                         \
+                other[SLOT(to, i)] = other[SLOT(to - 1u, i)];                                                          \
+                --to;                                                                                                  \
+            }                                                                                                          \
+            other[SLOT(to, i)] = j;                                                                                    \
+            ++last;                                                                                                    \
+        }
+        AROUND(INSERT)
+        const u32 neighbours = last;
+        for (u32 w = 0; w < search.walls; ++w)
+            if (near_wall(search, x, walls[w], wall_place[w])) {
+                other[SLOT(last, i)] = search.particles + w;
+                ++last;
+            }
+        // Mine stand in the order of my row; those of lower ranks are looked up at theirs.
+        u32 at = search.histories ? starts[mine] : 0u;
+        const u32 stop = search.histories ? starts[mine + 1u] : 0u;
+        for (u32 k = start; search.histories && k < last; ++k) {
+            const u32 j = other[SLOT(k, i)];
+            const u32 partner = k < neighbours ? rank[j] : j;
+            u32 found = NOBODY;
+            real sign = 1.0;
+            if (partner > mine) {
+                if (at < stop && partners[at] == partner)
+                    found = at++;
+                else
+                    for (u32 t = at; t < stop; ++t)
+                        if (partners[t] == partner) {
+                            found = t;
+                            at = t + 1u;
+                            break;
+                        }
+            } else {
+                sign = -1.0;
+                for (u32 t = starts[partner]; t < starts[partner + 1u]; ++t)
+                    if (partners[t] == mine) {
+                        found = t;
+                        break;
+                    }
+            }
+            if (found != NOBODY) {
+                other[SLOT(k, i)] = j | TOUCHING;
+#if FRICTION
+                Vec3 kept;
+                kept.x = sign * remembered[3u * (size_t)found];
+                kept.y = sign * remembered[3u * (size_t)found + 1u];
+                kept.z = sign * remembered[3u * (size_t)found + 2u];
+                keep_displacement(displacement, k, i, kept);
+#endif
+            }
+        }
+        for (u32 k = last; k < end; ++k)
+            other[SLOT(k, i)] = NOBODY;
+        reference[i] = x.x;
+        reference[(size_t)search.particles + i] = x.y;
+        reference[2u * (size_t)search.particles + i] = x.z;
+    }
+}

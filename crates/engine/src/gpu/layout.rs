@@ -1,0 +1,342 @@
+//! What both sides of a launch agree on, in one table: the structs, and the parameters of every kernel.
+//!
+//! A kernel's head is written from this table, and its launch takes its arguments by the same names and types: a
+//! mismatch between host and kernel does not compile on one side or the other.
+
+use super::memory::Buffer;
+use super::runtime::Argument;
+use crate::cpu::Quad;
+use bytemuck::{Pod, Zeroable};
+use tdem_physics::contact::Interaction;
+use tdem_physics::print::Members;
+
+/// A type that the host and kernels lay out alike.
+pub(crate) trait InC: Pod {
+    /// Its name in C.
+    const NAME: &'static str;
+}
+impl InC for f64 {
+    const NAME: &'static str = "real";
+}
+impl InC for u32 {
+    const NAME: &'static str = "u32";
+}
+impl InC for i32 {
+    const NAME: &'static str = "i32";
+}
+
+impl InC for Quad {
+    const NAME: &'static str = "Quad";
+}
+
+/// Three numbers, not padded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(crate) struct Vector(pub(crate) [f64; 3]);
+impl InC for Vector {
+    const NAME: &'static str = "Vec3";
+}
+
+macro_rules! flat {
+    ($(#[$about:meta])* $name:ident as $c:literal, $count:literal from $law:ty) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+        #[repr(transparent)]
+        pub(crate) struct $name([f64; $count]);
+        impl InC for $name {
+            const NAME: &'static str = $c;
+        }
+        impl From<&$law> for $name {
+            fn from(law: &$law) -> Self {
+                let mut numbers = [0.0; $count];
+                let mut places = numbers.iter_mut();
+                law.write(&mut |number| *places.next().expect("as many places as numbers") = number);
+                assert!(places.next().is_none(), "as many numbers as places");
+                $name(numbers)
+            }
+        }
+    };
+}
+flat!(
+    /// [`Interaction`], as the printed laws lay it out.
+    Pair as "Interaction", 7 from Interaction<f64>
+);
+flat!(
+    /// [`tdem_physics::contact::Period`], as the printed laws lay it out.
+    Box3 as "Period", 6 from tdem_physics::contact::Period<f64>
+);
+
+macro_rules! records {
+    ($($(#[$about:meta])* $name:ident { $($(#[$field_about:meta])* $field:ident: $type:ty),* $(,)? })*) => {
+        $(
+            $(#[$about])*
+            #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+            #[repr(C)]
+            pub(crate) struct $name { $($(#[$field_about])* pub(crate) $field: $type),* }
+            impl InC for $name {
+                const NAME: &'static str = stringify!($name);
+            }
+        )*
+        /// The structs, as typedefs of C.
+        pub(super) fn record_definitions() -> String {
+            let mut text = String::new();
+            $(
+                text += "typedef struct {\n";
+                $(text += &format!("    {} {};\n", <$type as InC>::NAME, stringify!($field));)*
+                text += concat!("} ", stringify!($name), ";\n");
+            )*
+            text
+        }
+        /// Name and size of every struct.
+        #[cfg(test)]
+        pub(super) fn record_sizes() -> Vec<(&'static str, usize)> {
+            vec![$((stringify!($name), size_of::<$name>())),*]
+        }
+    };
+}
+
+records! {
+    /// What the kernels of a step are told.
+    Step {
+        /// s.
+        dt: f64,
+        /// Half of it, s.
+        half_dt: f64,
+        /// $\Delta t$ as forces see it, s: 0 while a fresh state is prepared.
+        history_dt: f64,
+        /// m².
+        half_skin_squared: f64,
+        /// Longer ways in one step are noted, m²: the list reaches farther then.
+        noted_way_squared: f64,
+        /// Largest overlap over the sum of radii.
+        overlap_limit: f64,
+        /// m/s².
+        gravity: Vector,
+        /// m.
+        domain_min: Vector,
+        /// m.
+        domain_max: Vector,
+        period: Box3,
+        /// The parameters of the only pair of materials, if there is only one.
+        pair: Pair,
+        particles: u32,
+        walls: u32,
+        /// Work-items: the larger of both.
+        items: u32,
+        materials: u32,
+        /// Which flags are read; the others are raised.
+        parity: u32,
+        /// Forces are computed, but nothing is remembered.
+        frozen: u32,
+    }
+    /// A plane wall.
+    Wall {
+        normal: Vector,
+        velocity: Vector,
+        material: u32,
+        padding: u32,
+    }
+    /// Components of motion that forces do not govern: three bits for the velocity, three for the angular velocity.
+    Constraint {
+        velocity: Vector,
+        angular_velocity: Vector,
+        components: u32,
+        padding: u32,
+    }
+    /// What the kernels of a search are told.
+    Search {
+        /// m.
+        skin: f64,
+        /// Largest radius, m.
+        largest: f64,
+        period: Box3,
+        particles: u32,
+        walls: u32,
+        /// Work-items: the larger of both.
+        items: u32,
+        levels: u32,
+        /// A bit for each direction that repeats.
+        wraps: u32,
+        /// Whether histories were put aside.
+        histories: u32,
+    }
+    /// The cells of one size class.
+    Level {
+        /// m.
+        min: Vector,
+        /// Cells per metre.
+        per_metre: Vector,
+        /// Largest radius of the class, m.
+        largest: f64,
+        cells_x: u32,
+        cells_y: u32,
+        cells_z: u32,
+        first_cell: u32,
+        /// Rows side by side in a strip.
+        strip: u32,
+        padding: u32,
+    }
+}
+
+/// A launch: a kernel and its arguments.
+pub(crate) trait Call<M> {
+    /// The kernel's name.
+    const NAME: &'static str;
+    /// Work-items of a group.
+    const GROUP: usize;
+    /// The arguments, in the order of the head.
+    fn arguments(&self) -> Vec<Argument<'_, M>>;
+}
+
+/// How a kernel of the table is written in C.
+pub(super) struct Head {
+    pub(super) name: &'static str,
+    pub(super) text: String,
+}
+
+macro_rules! parameter {
+    (value $type:ty, $name:ident) => {
+        format!("const {} {}", <$type as InC>::NAME, stringify!($name))
+    };
+    (read $type:ty, $name:ident) => {
+        format!("GLOBAL const {} *RESTRICT {}", <$type as InC>::NAME, stringify!($name))
+    };
+    (write $type:ty, $name:ident) => {
+        format!("GLOBAL {} *RESTRICT {}", <$type as InC>::NAME, stringify!($name))
+    };
+    (shared $type:ty, $name:ident) => {
+        format!("GLOBAL {} *{}", <$type as InC>::NAME, stringify!($name))
+    };
+}
+macro_rules! field_type {
+    (value $type:ty, $life:lifetime, $memory:ident) => { $type };
+    ($use:ident $type:ty, $life:lifetime, $memory:ident) => { &$life Buffer<$type, $memory> };
+}
+macro_rules! argument {
+    (value, $field:expr) => {
+        Argument::Value(bytemuck::bytes_of(&$field))
+    };
+    ($use:ident, $field:expr) => {
+        Argument::Memory($field.memory())
+    };
+}
+
+macro_rules! kernels {
+    ($($(#[$about:meta])* $kernel:ident as $call:ident($group:literal, $groups:literal) {
+        $($parameter:ident: $use:ident $type:ty),* $(,)?
+    })*) => {
+        $(
+            $(#[$about])*
+            pub(crate) struct $call<'a, M> { $(pub(crate) $parameter: field_type!($use $type, 'a, M)),* }
+            impl<M> Call<M> for $call<'_, M> {
+                const NAME: &'static str = stringify!($kernel);
+                const GROUP: usize = $group;
+                fn arguments(&self) -> Vec<Argument<'_, M>> {
+                    vec![$(argument!($use, self.$parameter)),*]
+                }
+            }
+        )*
+        /// Every kernel's head: `KERNEL(threads, groups) name(parameters)`.
+        pub(super) fn heads() -> Vec<Head> {
+            vec![$({
+                let parameters = [$(parameter!($use $type, $parameter)),*];
+                Head {
+                    name: stringify!($kernel),
+                    text: format!(
+                        "KERNEL({}, {}) {}({})",
+                        $group,
+                        $groups,
+                        stringify!($kernel),
+                        parameters.join(",\n    ")
+                    ),
+                }
+            }),*]
+        }
+    };
+}
+
+kernels! {
+    /// See `kernels/predict.cl`.
+    predict as Predict(128, 4) {
+        step: value Step, status: shared u32,
+        place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
+        derivatives: write f64, image: write i32, kind: read u32, constraints: read Constraint, reference: read f64,
+        walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
+        kick_by_half: write Quad, twist_by_half: write Quad,
+    }
+    /// See `kernels/contact.cl`.
+    contact as Contact(128, 4) {
+        step: value Step, status: shared u32,
+        place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
+        kind: read u32, rank: read u32, interactions: read Pair, constraints: read Constraint,
+        slice: read u32, other: write u32, displacement: write f64,
+        walls: read Wall, wall_place: read Quad,
+        kick_by_half: read Quad, twist_by_half: read Quad, accounts: write f64,
+    }
+    /// See `kernels/correct.cl`.
+    correct as Correct(128, 4) {
+        step: value Step, status: shared u32,
+        place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
+        derivatives: write f64, kind: read u32, constraints: read Constraint,
+    }
+    /// See `kernels/fused.cl`.
+    fused as Fused(128, 4) {
+        step: value Step, status: shared u32,
+        place: read Quad, motion: read Quad, spin: read Quad,
+        next_place: write Quad, next_motion: write Quad, next_spin: write Quad,
+        image: write i32, kind: read u32, interactions: read Pair, constraints: read Constraint, reference: read f64,
+        slice: read u32, other: write u32, displacement: write f64,
+        walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
+    }
+    /// See `kernels/scan.cl`.
+    scan_blocks as ScanBlocks(256, 4) {
+        count: value u32, values: write u32, sums: write u32,
+    }
+    /// See `kernels/scan.cl`.
+    scan_sums as ScanSums(256, 1) { count: value u32, sums: write u32, total: write u32 }
+    /// See `kernels/scan.cl`.
+    scan_add as ScanAdd(256, 4) { count: value u32, starts: write u32, sums: read u32 }
+    /// See `kernels/history.cl`.
+    history_count as HistoryCount(128, 4) {
+        particles: value u32, slice: read u32, other: read u32, rank: read u32, counts: write u32,
+    }
+    /// See `kernels/history.cl`.
+    history_write as HistoryWrite(128, 4) {
+        particles: value u32, slice: read u32, other: read u32, displacement: read f64, rank: read u32,
+        starts: read u32, partners: write u32, remembered: write f64,
+    }
+    /// See `kernels/search.cl`.
+    bounds as Bounds(128, 4) { particles: value u32, place: read Quad, corners: write Quad }
+    /// See `kernels/search.cl`.
+    cells as Cells(128, 4) {
+        search: value Search, levels: read Level, place: read Quad,
+        cell_count: shared u32, cell_of: write u32, place_in_cell: write u32,
+    }
+    /// See `kernels/search.cl`.
+    order_cells as OrderCells(128, 4) {
+        particles: value u32, cell_start: read u32, cell_of: read u32, place_in_cell: read u32, order: write u32,
+    }
+    /// See `kernels/search.cl`.
+    order_ranks as OrderRanks(128, 4) { cell_total: value u32, cell_start: read u32, rank: read u32, order: write u32 }
+    /// See `kernels/search.cl`.
+    take_quads as TakeQuads(128, 4) { particles: value u32, order: read u32, from: read Quad, to: write Quad }
+    /// See `kernels/search.cl`.
+    take_words as TakeWords(128, 4) { particles: value u32, order: read u32, from: read u32, to: write u32 }
+    /// See `kernels/search.cl`.
+    take_images as TakeImages(128, 4) { particles: value u32, order: read u32, from: read i32, to: write i32 }
+    /// See `kernels/search.cl`.
+    take_reals as TakeReals(128, 4) {
+        particles: value u32, planes: value u32, order: read u32, from: read f64, to: write f64,
+    }
+    /// See `kernels/search.cl`.
+    rows_count as RowsCount(128, 4) {
+        search: value Search, levels: read Level, cell_start: read u32, place: read Quad,
+        walls: read Wall, wall_place: read Quad, slice_length: write u32,
+    }
+    /// See `kernels/search.cl`.
+    rows_fill as RowsFill(128, 4) {
+        search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
+        walls: read Wall, wall_place: read Quad, starts: read u32, partners: read u32, remembered: read f64,
+        slice: read u32, other: write u32, displacement: write f64, reference: write f64, wall_reference: write Quad,
+    }
+}

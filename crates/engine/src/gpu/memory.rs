@@ -1,0 +1,132 @@
+//! Typed buffers, and a queue that runs the kernels of the table.
+
+use super::layout::{Call, InC};
+use super::runtime::{Argument, Error, Fetch, Runtime};
+use std::collections::BTreeMap;
+use std::marker::PhantomData;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Device memory for `len` values of one type.
+pub(crate) struct Buffer<T, M> {
+    memory: M,
+    len: usize,
+    /// Bytes of all buffers of the queue together.
+    total: Arc<AtomicUsize>,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T, M> Buffer<T, M> {
+    pub(super) fn memory(&self) -> &M {
+        &self.memory
+    }
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+    fn bytes(&self) -> usize {
+        self.len * size_of::<T>()
+    }
+}
+
+impl<T, M> Drop for Buffer<T, M> {
+    fn drop(&mut self) {
+        self.total.fetch_sub(self.bytes(), Ordering::Relaxed);
+    }
+}
+
+/// A device's queue and the kernels built for a run.
+pub(crate) struct Queue<R: Runtime> {
+    runtime: R,
+    kernels: BTreeMap<&'static str, R::Kernel>,
+    total: Arc<AtomicUsize>,
+}
+
+impl<R: Runtime> Queue<R> {
+    /// Builds the named kernels.
+    pub(super) fn new(runtime: R, source: &str, names: &[&'static str]) -> Result<Self, Error> {
+        let built = runtime.build(source, names)?;
+        let kernels = names.iter().copied().zip(built).collect();
+        Ok(Queue { runtime, kernels, total: Arc::default() })
+    }
+    /// Bytes of all buffers together.
+    pub(crate) fn bytes(&self) -> usize {
+        self.total.load(Ordering::Relaxed)
+    }
+    /// A buffer whose content is not defined.
+    pub(crate) fn buffer<T: InC>(&self, len: usize) -> Result<Buffer<T, R::Memory>, Error> {
+        let memory = self.runtime.allocate((len * size_of::<T>()).max(1))?;
+        self.total.fetch_add(len * size_of::<T>(), Ordering::Relaxed);
+        Ok(Buffer { memory, len, total: Arc::clone(&self.total), element: PhantomData })
+    }
+    /// A buffer that holds `values`.
+    pub(crate) fn buffer_of<T: InC>(&self, values: &[T]) -> Result<Buffer<T, R::Memory>, Error> {
+        let buffer = self.buffer(values.len())?;
+        self.upload(&buffer, values)?;
+        Ok(buffer)
+    }
+    /// A buffer of zeros.
+    pub(crate) fn zeros<T: InC>(&self, len: usize) -> Result<Buffer<T, R::Memory>, Error> {
+        let buffer = self.buffer(len)?;
+        self.clear(&buffer, len)?;
+        Ok(buffer)
+    }
+    pub(crate) fn upload<T: InC>(&self, buffer: &Buffer<T, R::Memory>, values: &[T]) -> Result<(), Error> {
+        debug_assert!(values.len() <= buffer.len, "what is written has room");
+        if values.is_empty() { Ok(()) } else { self.runtime.upload(&buffer.memory, bytemuck::cast_slice(values)) }
+    }
+    /// Fills the first `len` values with zeros.
+    pub(crate) fn clear<T: InC>(&self, buffer: &Buffer<T, R::Memory>, len: usize) -> Result<(), Error> {
+        if len == 0 { Ok(()) } else { self.runtime.clear(&buffer.memory, len * size_of::<T>()) }
+    }
+    /// Copies all values of a buffer to another of the same length.
+    pub(crate) fn copy<T: InC>(&self, from: &Buffer<T, R::Memory>, to: &Buffer<T, R::Memory>) -> Result<(), Error> {
+        debug_assert_eq!(from.len, to.len, "what is copied has room");
+        if from.len == 0 { Ok(()) } else { self.runtime.copy(&from.memory, &to.memory, from.bytes()) }
+    }
+    /// Starts to bring the first `len` values to the host.
+    pub(crate) fn fetch<T: InC>(&self, buffer: &Buffer<T, R::Memory>, len: usize) -> Result<Arriving<T, R>, Error> {
+        let len = len.min(buffer.len);
+        let transfer = if len == 0 { None } else { Some(self.runtime.fetch(&buffer.memory, len * size_of::<T>())?) };
+        Ok(Arriving { transfer, element: PhantomData })
+    }
+    /// Waits for the first `len` values.
+    pub(crate) fn read<T: InC>(&self, buffer: &Buffer<T, R::Memory>, len: usize) -> Result<Vec<T>, Error> {
+        self.fetch(buffer, len)?.take()
+    }
+    /// Runs a kernel for at least so many work-items.
+    pub(crate) fn run<C: Call<R::Memory>>(&self, call: &C, items: usize) -> Result<(), Error> {
+        self.run_groups(call, items.div_ceil(C::GROUP))
+    }
+    /// Runs a kernel in so many groups.
+    pub(crate) fn run_groups<C: Call<R::Memory>>(&self, call: &C, groups: usize) -> Result<(), Error> {
+        let arguments: Vec<Argument<'_, R::Memory>> = call.arguments();
+        self.runtime.launch(&self.kernels[C::NAME], groups.max(1), C::GROUP, &arguments)
+    }
+    pub(crate) fn flush(&self) -> Result<(), Error> {
+        self.runtime.flush()
+    }
+    pub(crate) fn wait(&self) -> Result<(), Error> {
+        self.runtime.wait()
+    }
+}
+
+/// Values on their way to the host.
+pub(crate) struct Arriving<T, R: Runtime> {
+    transfer: Option<R::Fetch>,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T: InC, R: Runtime> Arriving<T, R> {
+    /// Waits for them.
+    pub(crate) fn take(mut self) -> Result<Vec<T>, Error> {
+        match &mut self.transfer {
+            None => Ok(Vec::new()),
+            Some(transfer) => {
+                let bytes = transfer.wait()?;
+                let mut values = vec![T::zeroed(); bytes.len() / size_of::<T>()];
+                bytemuck::cast_slice_mut(&mut values).copy_from_slice(bytes);
+                Ok(values)
+            }
+        }
+    }
+}

@@ -1,0 +1,354 @@
+//! A run on a device: steps are launched ahead, the device stops by itself when it needs a new list or meets a fault.
+//!
+//! Every kernel reads the flags that the one before it left; while one is up, nothing is computed. The host launches
+//! batches of steps, looks at the status behind each, and only then lists anew or tells the fault.
+
+use super::bodies::{Constants, Fields, Half, step_record, unpaired};
+use super::layout::{Contact, Correct, Fused, Predict, Step};
+use super::memory::{Arriving, Buffer, Queue};
+use super::program::Variant;
+use super::runtime::{Error, Runtime};
+use super::search::{Histories, Rows, Scratch};
+use crate::{Fault, Plan, State};
+use std::collections::VecDeque;
+use tdem_physics::contact::Friction;
+
+/// The words of the status, as in `kernels/particle.cl`.
+const STATUS: usize = 4;
+const DONE: usize = 2;
+const FARTHEST_STEP: usize = 3;
+const ASTRAY: u32 = 2;
+const CRUSHED: u32 = 4;
+
+/// Steps launched before the status is looked at. Two batches are under way, so that the device never waits.
+const BATCH: u64 = 16;
+const BATCHES: usize = 2;
+
+/// A run on a device.
+pub(crate) struct Gpu<R: Runtime> {
+    pub(super) queue: Queue<R>,
+    pub(super) plan: Plan,
+    pub(super) step: u64,
+    pub(super) particles: usize,
+    /// Persistent ids by rank, `(N)`.
+    pub(super) ids: Vec<u32>,
+    /// Angular velocities by rank, in models that do not change them.
+    pub(super) spins: Vec<[f64; 3]>,
+    /// What touching pairs remember of particles.
+    pub(super) friction: bool,
+    pub(super) smallest: f64,
+    pub(super) largest: f64,
+    pub(super) halves: [Half<R::Memory>; 2],
+    /// The half that holds the present.
+    pub(super) now: usize,
+    pub(super) fields: Fields<R::Memory>,
+    pub(super) constants: Constants<R::Memory>,
+    pub(super) rows: Rows<R::Memory>,
+    pub(super) histories: Histories<R::Memory>,
+    pub(super) scratch: Scratch<R::Memory>,
+    status: Buffer<u32, R::Memory>,
+    pub(super) step_record: Step,
+    fused: bool,
+    pub(super) searches: u64,
+    /// The longest way of a particle or wall in the last step, if it matters to the list, m.
+    pub(super) step_way: f64,
+}
+
+impl<R: Runtime> Gpu<R> {
+    /// Takes a validated state up.
+    pub(crate) fn new(runtime: R, state: State, plan: &Plan) -> Result<Self, Fault> {
+        let variant = Variant::of(plan);
+        let queue = Queue::new(runtime, &variant.source(), &variant.kernels())?;
+        let n = state.len();
+        let friction = plan.law.friction != Friction::Off;
+        let fields = Fields::new(&queue, &state, plan)?;
+        let speed_squared =
+            state.velocity.iter().map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max);
+        let mut gpu = Gpu {
+            plan: plan.clone(),
+            step: state.step,
+            particles: n,
+            friction,
+            smallest: state.radius.iter().copied().fold(f64::INFINITY, f64::min),
+            largest: state.radius.iter().copied().fold(0.0, f64::max),
+            halves: [Half::new(&queue, n, plan)?, Half::new(&queue, n, plan)?],
+            now: 0,
+            constants: Constants::new(&queue, plan)?,
+            rows: Rows::new(&queue, n, plan.walls.len())?,
+            histories: Histories::of_state(&queue, &state, friction)?,
+            scratch: Scratch::new(&queue, &fields)?,
+            fields,
+            status: queue.zeros(STATUS)?,
+            step_record: step_record(plan, n),
+            fused: variant.fused(),
+            searches: 0,
+            step_way: if plan.ledger { speed_squared.sqrt() * plan.dt } else { 0.0 },
+            queue,
+            ids: Vec::new(),
+            spins: Vec::new(),
+        };
+        gpu.halves[0].take_up(&gpu.queue, &state)?;
+        if n > 0 {
+            gpu.list_with(true)?;
+            gpu.take_up_forces(&state)?;
+        }
+        gpu.ids = state.id;
+        if !plan.law.moments {
+            gpu.spins = state.angular_velocity;
+        }
+        Ok(gpu)
+    }
+
+    /// Forces and moments of the state, into the half that is free between steps.
+    fn take_up_forces(&mut self, state: &State) -> Result<(), Fault> {
+        let rank = self.queue.read(&self.fields.rank, self.particles)?;
+        let by_rank = |field: &[[f64; 3]]| -> Vec<[f64; 3]> { rank.iter().map(|&r| field[r as usize]).collect() };
+        let free = &self.halves[1 - self.now];
+        self.queue.upload(&free.place, &unpaired(&by_rank(&state.force)))?;
+        if self.plan.law.moments {
+            self.queue.upload(&free.spin, &unpaired(&by_rank(&state.moment)))?;
+        }
+        Ok(())
+    }
+
+    /// Advances a number of steps.
+    pub(super) fn advance_all(&mut self, steps: u64) -> Result<(), Fault> {
+        if steps == 0 || self.particles == 0 {
+            self.step += steps;
+            return Ok(());
+        }
+        self.queue.clear(&self.status, STATUS)?;
+        self.launch_predict()?;
+        let mut done = 0;
+        if self.plan.search.every_step {
+            while done < steps {
+                let status = self.status()?;
+                self.fault_in(status, done, steps)?;
+                self.note_way(status);
+                self.list_anew()?;
+                self.launch_step(done + 1 == steps)?;
+                done += 1;
+            }
+            let status = self.status()?;
+            self.fault_in(status, done, steps)?;
+        } else {
+            while done < steps {
+                done = self.launch_until_halted(done, steps)?;
+            }
+        }
+        self.step += steps;
+        Ok(())
+    }
+
+    /// Launches steps until all are done or the device halts; lists anew if that is why. The number of steps done.
+    fn launch_until_halted(&mut self, done: u64, steps: u64) -> Result<u64, Fault> {
+        let start = self.now;
+        let mut launched = done;
+        let mut pending: VecDeque<Arriving<u32, R>> = VecDeque::new();
+        loop {
+            while launched < steps && pending.len() < BATCHES {
+                for _ in 0..BATCH.min(steps - launched) {
+                    launched += 1;
+                    self.launch_step(launched == steps)?;
+                }
+                pending.push_back(self.queue.fetch(&self.status, STATUS)?);
+                self.queue.flush()?;
+            }
+            let Some(arriving) = pending.pop_front() else { return Ok(steps) };
+            let status = words(arriving.take()?);
+            if status[0] | status[1] != 0 {
+                let reached = u64::from(status[DONE]);
+                // What was launched beyond did nothing: the halves are as the last step that was done left them.
+                let fused = if self.fused { reached - done - u64::from(reached == steps) } else { 0 };
+                self.now = (start + fused as usize) % 2;
+                self.fault_in(status, reached, steps)?;
+                self.note_way(status);
+                self.list_anew()?;
+                self.queue.upload(&self.status, &[0, 0, reached as u32, 0])?;
+                return Ok(reached);
+            }
+        }
+    }
+
+    fn status(&self) -> Result<[u32; STATUS], Error> {
+        Ok(words(self.queue.read(&self.status, STATUS)?))
+    }
+
+    /// The longest way in one step, if any was long enough to matter.
+    fn note_way(&mut self, status: [u32; STATUS]) {
+        self.step_way = f64::from(f32::from_bits(status[FARTHEST_STEP])).sqrt();
+    }
+
+    /// The next launch reads the flags that the last one raised.
+    fn next_step(&mut self) -> Step {
+        self.step_record.parity = 1 - self.step_record.parity;
+        self.step_record
+    }
+
+    fn launch_predict(&mut self) -> Result<(), Error> {
+        let step = self.next_step();
+        let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        self.queue.run(
+            &Predict {
+                step,
+                status: &self.status,
+                place: &half.place,
+                motion: &half.motion,
+                spin: &half.spin,
+                force: &free.place,
+                moment: &free.spin,
+                derivatives: &fields.derivatives,
+                image: &fields.image,
+                kind: &fields.kind,
+                constraints: &self.constants.constraints,
+                reference: &self.rows.reference,
+                walls: &self.constants.walls,
+                wall_place: &half.wall_place,
+                wall_reference: &self.rows.wall_reference,
+                kick_by_half: &fields.kick_by_half,
+                twist_by_half: &fields.twist_by_half,
+            },
+            step.items as usize,
+        )
+    }
+
+    /// From one prediction to the next, or to the end of the last step.
+    fn launch_step(&mut self, last: bool) -> Result<(), Error> {
+        if self.fused && !last {
+            return self.launch_fused();
+        }
+        self.launch_contact()?;
+        self.launch_correct()?;
+        if last { Ok(()) } else { self.launch_predict() }
+    }
+
+    fn launch_contact(&mut self) -> Result<(), Error> {
+        let step = self.next_step();
+        let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        self.queue.run(
+            &Contact {
+                step,
+                status: &self.status,
+                place: &half.place,
+                motion: &half.motion,
+                spin: &half.spin,
+                force: &free.place,
+                moment: &free.spin,
+                kind: &fields.kind,
+                rank: &fields.rank,
+                interactions: &self.constants.interactions,
+                constraints: &self.constants.constraints,
+                slice: &self.rows.slice,
+                other: &self.rows.other,
+                displacement: &self.rows.displacement,
+                walls: &self.constants.walls,
+                wall_place: &half.wall_place,
+                kick_by_half: &fields.kick_by_half,
+                twist_by_half: &fields.twist_by_half,
+                accounts: &fields.accounts,
+            },
+            self.particles,
+        )
+    }
+
+    fn launch_correct(&mut self) -> Result<(), Error> {
+        let step = self.next_step();
+        let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        self.queue.run(
+            &Correct {
+                step,
+                status: &self.status,
+                place: &half.place,
+                motion: &half.motion,
+                spin: &half.spin,
+                force: &free.place,
+                moment: &free.spin,
+                derivatives: &fields.derivatives,
+                kind: &fields.kind,
+                constraints: &self.constants.constraints,
+            },
+            self.particles,
+        )
+    }
+
+    fn launch_fused(&mut self) -> Result<(), Error> {
+        let step = self.next_step();
+        let (half, next, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        self.queue.run(
+            &Fused {
+                step,
+                status: &self.status,
+                place: &half.place,
+                motion: &half.motion,
+                spin: &half.spin,
+                next_place: &next.place,
+                next_motion: &next.motion,
+                next_spin: &next.spin,
+                image: &fields.image,
+                kind: &fields.kind,
+                interactions: &self.constants.interactions,
+                constraints: &self.constants.constraints,
+                reference: &self.rows.reference,
+                slice: &self.rows.slice,
+                other: &self.rows.other,
+                displacement: &self.rows.displacement,
+                walls: &self.constants.walls,
+                wall_place: &half.wall_place,
+                next_wall_place: &next.wall_place,
+                wall_reference: &self.rows.wall_reference,
+            },
+            step.items as usize,
+        )?;
+        self.now = 1 - self.now;
+        Ok(())
+    }
+
+    /// Forces for a fresh state: nothing moves, no history advances.
+    pub(super) fn prepare_all(&mut self) -> Result<(), Fault> {
+        if self.particles == 0 {
+            return Ok(());
+        }
+        self.queue.clear(&self.status, STATUS)?;
+        let record = self.step_record;
+        self.step_record = Step { history_dt: 0.0, frozen: 1, ..record };
+        self.launch_contact()?;
+        self.step_record = record;
+        let status = self.status()?;
+        self.step_record.parity = 0;
+        self.fault_in(status, 0, 0)?;
+        if self.fields.derivatives.len() > 0 {
+            self.start_derivatives()?;
+        }
+        Ok(())
+    }
+
+    /// Gear's second derivative from the forces of a fresh state; the higher ones stay 0.
+    fn start_derivatives(&mut self) -> Result<(), Error> {
+        let n = self.particles;
+        let force = self.queue.read(&self.halves[1 - self.now].place, n)?;
+        let motion = self.queue.read(&self.halves[self.now].motion, n)?;
+        let half_square = 0.5 * self.plan.dt * self.plan.dt;
+        let second = force.iter().zip(&motion).map(|(f, m)| f.vector() * (half_square / m.scalar()));
+        let second: Vec<[f64; 3]> = second.map(Into::into).collect();
+        let planes: Vec<f64> = (0..3).flat_map(|k| second.iter().map(move |v| v[k])).collect();
+        self.queue.upload(&self.fields.derivatives, &planes)
+    }
+
+    /// The fault that the flags tell of, after so many of the steps of a call.
+    fn fault_in(&self, status: [u32; STATUS], done: u64, steps: u64) -> Result<(), Fault> {
+        let flags = status[0] | status[1];
+        if flags & CRUSHED != 0 {
+            // A step that is one kernel has gone on to the next prediction; what it read is in the other half.
+            let half = if self.fused && done < steps { 1 - self.now } else { self.now };
+            Err(self.crushed(half, done)?)
+        } else if flags & ASTRAY != 0 {
+            Err(self.astray(done)?)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+fn words(values: Vec<u32>) -> [u32; STATUS] {
+    values.try_into().expect("a status has its words")
+}

@@ -1,0 +1,418 @@
+//! Stage `search`: the host's part of a new list on the device.
+
+use super::bodies::Fields;
+use super::layout::{
+    Bounds, Box3, Cells, HistoryCount, HistoryWrite, InC, Level, OrderCells, OrderRanks, RowsCount, RowsFill, ScanAdd,
+    ScanBlocks, ScanSums, Search, TakeImages, TakeQuads, TakeReals, TakeWords, Vector,
+};
+use super::memory::{Buffer, Queue};
+use super::run::Gpu;
+use super::runtime::{Error, Runtime};
+use crate::cpu::{Quad, class_of};
+use crate::{Fault, State};
+
+/// Particles of a slice of rows, as in `kernels/particle.cl`.
+pub(super) const SLICE: usize = 32;
+/// Values of a block of the prefix sum.
+const SCAN_BLOCK: usize = 1024;
+/// Groups of the partial bounds.
+const BOUNDS_GROUPS: usize = 256;
+/// Rows of cells side by side in a strip.
+const STRIP: u32 = 16;
+
+/// The neighbour list: rows in slices, see `kernels/particle.cl`.
+pub(super) struct Rows<M> {
+    /// Where each slice starts, in units of `SLICE` slots, `(slices + 1)`.
+    pub(super) slice: Buffer<u32, M>,
+    pub(super) other: Buffer<u32, M>,
+    /// Empty without friction.
+    pub(super) displacement: Buffer<f64, M>,
+    /// Positions when the list was made, 3 planes.
+    pub(super) reference: Buffer<f64, M>,
+    pub(super) wall_reference: Buffer<Quad, M>,
+}
+
+/// What touching pairs remember, in the order of ranks, see `kernels/history.cl`.
+pub(super) struct Histories<M> {
+    /// `(N + 1)`.
+    pub(super) starts: Buffer<u32, M>,
+    pub(super) partners: Buffer<u32, M>,
+    /// 3 numbers each; empty without friction.
+    pub(super) remembered: Buffer<f64, M>,
+}
+
+/// Room for a search.
+pub(super) struct Scratch<M> {
+    cell_of: Buffer<u32, M>,
+    place_in_cell: Buffer<u32, M>,
+    order: Buffer<u32, M>,
+    cell_start: Buffer<u32, M>,
+    sums: Buffer<u32, M>,
+    /// The last prefix sum's total.
+    total: Buffer<u32, M>,
+    corners: Buffer<Quad, M>,
+    levels: Buffer<Level, M>,
+    /// Where a field is put in order before it takes the old one's place; as large.
+    spare_reals: Buffer<f64, M>,
+    spare_accounts: Buffer<f64, M>,
+    spare_images: Buffer<i32, M>,
+    spare_quads: Buffer<Quad, M>,
+}
+
+impl<M> Rows<M> {
+    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, n: usize, walls: usize) -> Result<Self, Error> {
+        Ok(Rows {
+            slice: queue.zeros(n.div_ceil(SLICE) + 1)?,
+            other: queue.buffer(0)?,
+            displacement: queue.buffer(0)?,
+            reference: queue.buffer(3 * n)?,
+            wall_reference: queue.buffer(walls)?,
+        })
+    }
+}
+
+impl<M> Histories<M> {
+    /// Those of a validated state.
+    pub(super) fn of_state<R: Runtime<Memory = M>>(
+        queue: &Queue<R>,
+        state: &State,
+        friction: bool,
+    ) -> Result<Self, Error> {
+        let n = state.len();
+        let rank = |id: u32| state.index_of(id).unwrap_or(0);
+        let pairs = state.contacts.iter().map(|c| (rank(c.first), rank(c.second) as u32, c.displacement));
+        let walls = state.wall_contacts.iter().map(|c| (rank(c.particle), n as u32 + c.wall, c.displacement));
+        let mut all: Vec<_> = pairs.chain(walls).collect();
+        all.sort_by_key(|&(rank, partner, _)| (rank, partner));
+        let mut starts = vec![0_u32; n + 1];
+        for &(rank, ..) in &all {
+            starts[rank + 1] += 1;
+        }
+        for rank in 0..n {
+            starts[rank + 1] += starts[rank];
+        }
+        let partners: Vec<u32> = all.iter().map(|&(_, partner, _)| partner).collect();
+        let remembered: Vec<f64> =
+            if friction { all.iter().flat_map(|&(.., displacement)| displacement).collect() } else { Vec::new() };
+        Ok(Histories {
+            starts: queue.buffer_of(&starts)?,
+            partners: queue.buffer_of(&partners)?,
+            remembered: queue.buffer_of(&remembered)?,
+        })
+    }
+}
+
+impl<M> Scratch<M> {
+    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, fields: &Fields<M>) -> Result<Self, Error> {
+        let n = fields.rank.len();
+        Ok(Scratch {
+            cell_of: queue.buffer(n)?,
+            place_in_cell: queue.buffer(n)?,
+            order: queue.buffer(n)?,
+            cell_start: queue.buffer(0)?,
+            sums: queue.buffer(0)?,
+            total: queue.buffer(1)?,
+            corners: queue.buffer(2 * BOUNDS_GROUPS)?,
+            levels: queue.buffer(32)?,
+            spare_reals: queue.buffer(fields.derivatives.len())?,
+            spare_accounts: queue.buffer(fields.accounts.len())?,
+            spare_images: queue.buffer(fields.image.len())?,
+            spare_quads: queue.buffer(fields.kick_by_half.len())?,
+        })
+    }
+}
+
+/// Makes sure of room for `len` values; what was there may be lost.
+fn reserve<T: InC, R: Runtime>(
+    queue: &Queue<R>,
+    buffer: &mut Buffer<T, R::Memory>,
+    len: usize,
+    headroom: usize,
+) -> Result<(), Error> {
+    if buffer.len() < len {
+        // The old memory goes back first: there may not be room for both.
+        *buffer = queue.buffer(0)?;
+        *buffer = queue.buffer(len + headroom)?;
+    }
+    Ok(())
+}
+
+impl<R: Runtime> Gpu<R> {
+    /// Lists all pairs within the skin anew, in the order of space, and carries histories over.
+    pub(super) fn list_anew(&mut self) -> Result<(), Fault> {
+        let carry = self.rows.displacement.len() > 0;
+        if carry {
+            self.put_histories_aside()?;
+        }
+        self.list_with(carry)
+    }
+
+    /// As [`Self::list_anew`], with the histories put aside, if any.
+    pub(super) fn list_with(&mut self, histories: bool) -> Result<(), Fault> {
+        let n = self.particles;
+        let skin = self.list_skin();
+        let reach = 2.0 * self.largest + skin;
+        for (length, periodic) in self.plan.domain.length().into_iter().zip(self.plan.domain.periodic) {
+            if periodic && length < 2.0 * reach {
+                return Err(Fault::BoxTooSmall { length, reach });
+            }
+        }
+        self.searches += 1;
+        let (levels, cells) = self.levels(skin)?;
+        let wraps = self.plan.domain.periodic.iter().enumerate().fold(0, |bits, (k, &p)| bits | u32::from(p) << k);
+        let search = Search {
+            skin,
+            largest: self.largest,
+            period: Box3::from(&self.plan.domain.period()),
+            particles: n as u32,
+            walls: self.plan.walls.len() as u32,
+            items: self.step_record.items,
+            levels: levels.len() as u32,
+            wraps,
+            histories: histories.into(),
+        };
+        let (queue, scratch) = (&self.queue, &mut self.scratch);
+        queue.upload(&scratch.levels, &levels)?;
+        reserve(queue, &mut scratch.cell_start, cells + 1, cells / 4)?;
+        queue.clear(&scratch.cell_start, cells + 1)?;
+        queue.run(
+            &Cells {
+                search,
+                levels: &scratch.levels,
+                place: &self.halves[self.now].place,
+                cell_count: &scratch.cell_start,
+                cell_of: &scratch.cell_of,
+                place_in_cell: &scratch.place_in_cell,
+            },
+            n,
+        )?;
+        scan(queue, &mut scratch.sums, &scratch.total, &scratch.cell_start, cells)?;
+        queue.run(
+            &OrderCells {
+                particles: n as u32,
+                cell_start: &scratch.cell_start,
+                cell_of: &scratch.cell_of,
+                place_in_cell: &scratch.place_in_cell,
+                order: &scratch.order,
+            },
+            n,
+        )?;
+        queue.run(
+            &OrderRanks {
+                cell_total: cells as u32,
+                cell_start: &scratch.cell_start,
+                rank: &self.fields.rank,
+                order: &scratch.order,
+            },
+            cells,
+        )?;
+        self.reorder()?;
+        self.fill_rows(search)
+    }
+
+    /// Counts, lays out and fills the rows.
+    fn fill_rows(&mut self, search: Search) -> Result<(), Fault> {
+        let n = self.particles;
+        let slices = n.div_ceil(SLICE);
+        let (queue, scratch, rows, half) = (&self.queue, &mut self.scratch, &mut self.rows, &self.halves[self.now]);
+        queue.run(
+            &RowsCount {
+                search,
+                levels: &scratch.levels,
+                cell_start: &scratch.cell_start,
+                place: &half.place,
+                walls: &self.constants.walls,
+                wall_place: &half.wall_place,
+                slice_length: &rows.slice,
+            },
+            n,
+        )?;
+        scan(queue, &mut scratch.sums, &scratch.total, &rows.slice, slices)?;
+        let slots = queue.read(&scratch.total, 1)?[0] as usize * SLICE;
+        if slots > rows.other.len() {
+            let headroom = slots / 16;
+            reserve(queue, &mut rows.other, slots, headroom)?;
+            if self.friction {
+                reserve(queue, &mut rows.displacement, 3 * slots, 3 * headroom)?;
+            }
+        }
+        queue.run(
+            &RowsFill {
+                search,
+                levels: &scratch.levels,
+                cell_start: &scratch.cell_start,
+                place: &half.place,
+                rank: &self.fields.rank,
+                walls: &self.constants.walls,
+                wall_place: &half.wall_place,
+                starts: &self.histories.starts,
+                partners: &self.histories.partners,
+                remembered: &self.histories.remembered,
+                slice: &rows.slice,
+                other: &rows.other,
+                displacement: &rows.displacement,
+                reference: &rows.reference,
+                wall_reference: &rows.wall_reference,
+            },
+            search.items as usize,
+        )?;
+        Ok(())
+    }
+
+    /// Up to which gap pairs are listed. A pair that touched in the last step must be listed even if it has just parted,
+    /// whatever skin was asked for: the contact stage closes its history.
+    fn list_skin(&self) -> f64 {
+        let parted = 2.000_001 * self.step_way + 1e-9 * self.largest;
+        self.plan.search.skin.max(parted)
+    }
+
+    /// Puts aside what touching pairs remember; the number of entries.
+    pub(super) fn put_histories_aside(&mut self) -> Result<usize, Fault> {
+        let n = self.particles;
+        let (queue, rows, kept) = (&self.queue, &self.rows, &mut self.histories);
+        let rank = &self.fields.rank;
+        let particles = n as u32;
+        queue.run(
+            &HistoryCount { particles, slice: &rows.slice, other: &rows.other, rank, counts: &kept.starts },
+            n,
+        )?;
+        scan(queue, &mut self.scratch.sums, &self.scratch.total, &kept.starts, n)?;
+        let entries = queue.read(&self.scratch.total, 1)?[0] as usize;
+        reserve(queue, &mut kept.partners, entries, entries / 8)?;
+        if self.friction {
+            reserve(queue, &mut kept.remembered, 3 * entries, 3 * (entries / 8))?;
+        }
+        queue.run(
+            &HistoryWrite {
+                particles,
+                slice: &rows.slice,
+                other: &rows.other,
+                displacement: &rows.displacement,
+                rank,
+                starts: &kept.starts,
+                partners: &kept.partners,
+                remembered: &kept.remembered,
+            },
+            n,
+        )?;
+        Ok(entries)
+    }
+
+    /// The cells of each size class over the space that particles occupy, and the number of all cells.
+    fn levels(&self, skin: f64) -> Result<(Vec<Level>, usize), Fault> {
+        let domain = &self.plan.domain;
+        let (low, high) = self.occupied()?;
+        let min: [f64; 3] = std::array::from_fn(|k| if domain.periodic[k] { domain.min[k] } else { low[k] });
+        let max: [f64; 3] = std::array::from_fn(|k| if domain.periodic[k] { domain.max[k] } else { high[k] });
+        // Scattered particles would make a grid of mostly empty cells: coarsen it until cells are as many as particles.
+        let budget = (4 * self.particles).max(64) as f64;
+        let (mut levels, mut cells) = (Vec::new(), 0_u32);
+        let mut radius = self.largest;
+        for _ in 0..=class_of(self.smallest, self.largest) {
+            let mut width = 1.000_000_1 * (2.0 * radius + skin);
+            let count =
+                |width: f64| -> [f64; 3] { std::array::from_fn(|k| ((max[k] - min[k]) / width).floor().max(1.0)) };
+            while count(width).iter().product::<f64>() > budget {
+                width *= 1.25;
+            }
+            let [x, y, z] = count(width).map(|c| c as u32);
+            let strip = y.min(STRIP);
+            let per_metre = std::array::from_fn(|k| {
+                let extent = max[k] - min[k];
+                if extent > 0.0 { f64::from([x, y, z][k]) / extent } else { 0.0 }
+            });
+            levels.push(Level {
+                min: Vector(min),
+                per_metre: Vector(per_metre),
+                largest: radius,
+                cells_x: x,
+                cells_y: y,
+                cells_z: z,
+                first_cell: cells,
+                strip,
+                padding: 0,
+            });
+            cells += y.div_ceil(strip) * strip * x * z;
+            radius *= 0.5;
+        }
+        Ok((levels, cells as usize))
+    }
+
+    /// The bounds of all centres.
+    fn occupied(&self) -> Result<([f64; 3], [f64; 3]), Fault> {
+        let corners = &self.scratch.corners;
+        let call = Bounds { particles: self.particles as u32, place: &self.halves[self.now].place, corners };
+        self.queue.run_groups(&call, BOUNDS_GROUPS)?;
+        let corners = self.queue.read(corners, 2 * BOUNDS_GROUPS)?;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for pair in corners.chunks_exact(2) {
+            for k in 0..3 {
+                low[k] = low[k].min(pair[0].0[k]);
+                high[k] = high[k].max(pair[1].0[k]);
+            }
+        }
+        Ok((low, high))
+    }
+
+    /// Puts all fields in the order found.
+    fn reorder(&mut self) -> Result<(), Fault> {
+        let n = self.particles;
+        let particles = n as u32;
+        let (queue, order) = (&self.queue, &self.scratch.order);
+        let [first, second] = &self.halves;
+        let (from, to) = if self.now == 0 { (first, second) } else { (second, first) };
+        for (from, to) in [(&from.place, &to.place), (&from.motion, &to.motion), (&from.spin, &to.spin)] {
+            if from.len() > 0 {
+                queue.run(&TakeQuads { particles, order, from, to }, n)?;
+            }
+        }
+        queue.copy(&from.wall_place, &to.wall_place)?;
+        self.now = 1 - self.now;
+        let fields = &mut self.fields;
+        // A field is gathered into room that then takes its place.
+        for field in [&mut fields.rank, &mut fields.kind] {
+            let to = &mut self.scratch.cell_of;
+            queue.run(&TakeWords { particles, order, from: field, to }, n)?;
+            std::mem::swap(field, to);
+        }
+        if fields.derivatives.len() > 0 {
+            let to = &mut self.scratch.spare_reals;
+            queue.run(&TakeReals { particles, planes: 12, order, from: &fields.derivatives, to }, n)?;
+            std::mem::swap(&mut fields.derivatives, to);
+        }
+        if fields.accounts.len() > 0 {
+            let to = &mut self.scratch.spare_accounts;
+            queue.run(&TakeReals { particles, planes: 4, order, from: &fields.accounts, to }, n)?;
+            std::mem::swap(&mut fields.accounts, to);
+        }
+        if fields.image.len() > 0 {
+            let to = &mut self.scratch.spare_images;
+            queue.run(&TakeImages { particles, order, from: &fields.image, to }, n)?;
+            std::mem::swap(&mut fields.image, to);
+        }
+        for field in [&mut fields.kick_by_half, &mut fields.twist_by_half] {
+            if field.len() > 0 {
+                let to = &mut self.scratch.spare_quads;
+                queue.run(&TakeQuads { particles, order, from: field, to }, n)?;
+                std::mem::swap(field, to);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Exclusive prefix sum of `count` values in their own place; the entry behind the last, and `total`, get the total.
+fn scan<R: Runtime>(
+    queue: &Queue<R>,
+    sums: &mut Buffer<u32, R::Memory>,
+    total: &Buffer<u32, R::Memory>,
+    values: &Buffer<u32, R::Memory>,
+    count: usize,
+) -> Result<(), Error> {
+    let blocks = (count + 1).div_ceil(SCAN_BLOCK);
+    reserve(queue, sums, blocks, blocks / 4)?;
+    let sums = &*sums;
+    queue.run_groups(&ScanBlocks { count: count as u32, values, sums }, blocks)?;
+    queue.run_groups(&ScanSums { count: blocks as u32, sums, total }, 1)?;
+    queue.run_groups(&ScanAdd { count: count as u32, starts: values, sums }, blocks)
+}

@@ -1,0 +1,166 @@
+//! The contract of bits across devices: kernels give what the CPU gives. Needs an OpenCL device; PoCL will do.
+
+mod common;
+
+use common::scene;
+use tdem_engine::cpu::Options;
+use tdem_engine::gpu::Api;
+use tdem_engine::physics::contact::{Damping, Friction, Law};
+use tdem_engine::{Constraint, Device, Fault, Integrator, Plan, Simulation, State};
+
+const STEPS: u64 = 600;
+const OPENCL: Device = Device::Gpu { api: Api::OpenCl, index: 0 };
+
+fn cpu() -> Device {
+    Options::default().into()
+}
+
+fn run(state: &State, plan: &Plan, device: Device, steps: u64) -> Result<State, Fault> {
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), device)?;
+    simulation.advance(steps)?;
+    simulation.state()
+}
+
+/// The states must agree in every field; a message names the first that does not.
+fn assert_same(found: &State, expected: &State, what: &str) {
+    let differ = |name: &str, a: &[[f64; 3]], b: &[[f64; 3]]| {
+        if let Some(i) = (0..a.len()).find(|&i| a[i] != b[i]) {
+            panic!("{what}: {name} of particle {i} is {:?}, not {:?}", a[i], b[i]);
+        }
+    };
+    differ("position", &found.position, &expected.position);
+    differ("velocity", &found.velocity, &expected.velocity);
+    differ("angular velocity", &found.angular_velocity, &expected.angular_velocity);
+    differ("force", &found.force, &expected.force);
+    differ("moment", &found.moment, &expected.moment);
+    assert_eq!(found.contacts.len(), expected.contacts.len(), "{what}: contacts");
+    assert_eq!(found, expected, "{what}");
+    assert_eq!(found.hash(), expected.hash(), "{what}");
+}
+
+fn both(state: &State, plan: &Plan, steps: u64, what: &str) -> State {
+    let expected = run(state, plan, cpu(), steps).expect("the scene runs through on the CPU");
+    let found = run(state, plan, OPENCL, steps).expect("the scene runs through on the device");
+    assert_same(&found, &expected, what);
+    expected
+}
+
+fn laws() -> Vec<Law> {
+    let rescaled = Law { friction: Friction::Rescaled, damping: Damping::Restitution, ..Law::GNTM };
+    vec![Law::GN, Law::GNT, Law::GNTM, rescaled]
+}
+
+#[test]
+fn same_bits_in_every_model_with_and_without_ledger() {
+    for law in laws() {
+        for ledger in [false, true] {
+            let (state, mut plan) = scene(law, Integrator::VelocityVerlet, 3.0);
+            plan.ledger = ledger;
+            let end = both(&state, &plan, STEPS, &format!("{law:?} ledger {ledger}"));
+            assert!(end.contacts.len() > 100 && end.wall_contacts.len() > 10, "the scene must be busy");
+        }
+    }
+}
+
+#[test]
+fn same_bits_with_gear_and_search_in_every_step() {
+    for ledger in [false, true] {
+        let (state, mut plan) = scene(Law::GNTM, Integrator::Gear, 2.0);
+        plan.ledger = ledger;
+        both(&state, &plan, STEPS, "Gear");
+        plan.search.every_step = true;
+        plan.search.skin = 0.0;
+        both(&state, &plan, 60, "Gear, every step");
+    }
+}
+
+#[test]
+fn same_bits_with_several_materials_and_prescribed_motion() {
+    for ledger in [false, true] {
+        let (mut state, mut plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 2.0);
+        plan.ledger = ledger;
+        plan.materials = 2;
+        let mut soft = plan.interactions[0];
+        soft.normal_stiffness *= 0.5;
+        soft.static_friction = 0.2;
+        soft.dynamic_friction = 0.1;
+        plan.interactions = vec![plan.interactions[0], soft, soft, soft];
+        plan.walls[1].material = 1;
+        plan.constraints.push(Constraint {
+            velocity: [Some(0.2), None, Some(0.0)],
+            angular_velocity: [None, Some(3.0), None],
+        });
+        for i in 0..state.len() {
+            state.material[i] = (i % 3 == 0).into();
+            state.constraint[i] = (i % 50 == 0).into();
+        }
+        both(&state, &plan, STEPS, "materials and constraints");
+    }
+}
+
+#[test]
+fn same_bits_with_any_skin_and_when_results_are_taken_often() {
+    let (state, mut plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 3.0);
+    plan.ledger = false;
+    let expected = run(&state, &plan, cpu(), STEPS).expect("the scene runs through on the CPU");
+    for skin in [1e-4, 6e-3] {
+        plan.search.skin = skin;
+        let mut simulation = Simulation::new(state.clone(), plan.clone(), OPENCL).expect("the scene is sound");
+        let mut captures = Vec::new();
+        for steps in [1, 2, 7, 50, 540] {
+            simulation.advance(steps).expect("the scene runs through");
+            captures.push(simulation.capture().expect("the device answers"));
+        }
+        assert!(simulation.searches() > 1, "the scene must rebuild its lists, or it shows nothing");
+        // Captures are of their moments, whenever they are looked at.
+        let states: Vec<State> = captures.into_iter().map(|c| c.state().expect("it arrives")).collect();
+        assert_eq!(states.iter().map(|s| s.step).collect::<Vec<_>>(), [1, 3, 10, 60, STEPS]);
+        assert_same(&states[4], &expected, "skin");
+    }
+}
+
+#[test]
+fn a_run_moves_between_devices() {
+    for (law, integrator) in
+        [(Law::GN, Integrator::VelocityVerlet), (Law::GNTM, Integrator::VelocityVerlet), (Law::GNTM, Integrator::Gear)]
+    {
+        let (state, plan) = scene(law, integrator, 2.0);
+        let expected = run(&state, &plan, cpu(), STEPS).expect("the scene runs through");
+        for devices in [[OPENCL, cpu(), OPENCL], [cpu(), OPENCL, cpu()]] {
+            let mut moving = state.clone();
+            for (device, steps) in devices.into_iter().zip([1, 136, STEPS - 137]) {
+                let taken = run(&moving, &plan, device, 0).expect("the state is taken up");
+                if moving.forces_known {
+                    assert_same(&taken, &moving, "a state that is taken up and looked at is the same");
+                }
+                moving = run(&moving, &plan, device, steps).expect("the scene runs through");
+            }
+            assert_same(&moving, &expected, &format!("{law:?} {integrator:?} {devices:?}"));
+        }
+    }
+}
+
+#[test]
+fn faults_are_those_of_the_cpu() {
+    let (state, plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 2.0);
+    let faults = |state: &State, plan: &Plan| {
+        let [on_cpu, on_device] = [cpu(), OPENCL].map(|device| run(state, plan, device, 400).map(|s| s.step));
+        assert_eq!(on_device, on_cpu);
+        on_cpu.expect_err("the scene is at fault")
+    };
+    let mut fast = state.clone();
+    fast.velocity[7] = [0.0, 0.0, 300.0];
+    fast.velocity[400] = [0.0, 0.0, 300.0];
+    let soft = Plan { overlap_limit: 10.0, ..plan.clone() };
+    assert!(matches!(faults(&fast, &soft), Fault::Escaped { .. }));
+    let mut lost = state.clone();
+    lost.angular_velocity[33] = [f64::NAN; 3];
+    assert!(matches!(faults(&lost, &plan), Fault::NotFinite { .. }));
+    for (ledger, limit) in [(true, 1e-4), (false, 1e-4), (false, 4e-3)] {
+        let strict = Plan { overlap_limit: limit, ledger, ..plan.clone() };
+        assert!(matches!(faults(&state, &strict), Fault::Overlap { .. }));
+    }
+    let mut tight = plan.clone();
+    tight.search.skin = 0.1;
+    assert!(matches!(faults(&state, &tight), Fault::BoxTooSmall { .. }));
+}
