@@ -17,7 +17,7 @@ mod snapshot;
 mod wide;
 
 use crate::step::{Backend, step};
-use crate::{Fault, Plan, State};
+use crate::{Capture, Fault, Plan, State};
 use bodies::Bodies;
 use neighbours::Neighbours;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -60,7 +60,6 @@ pub(crate) struct Cpu {
     options: Options,
     pool: Arc<ThreadPool>,
     step: u64,
-    initial_energy: f64,
     /// Persistent ids by rank, `(N)`.
     ids: Vec<u32>,
     bodies: Bodies,
@@ -84,7 +83,6 @@ impl Cpu {
             options: *options,
             pool: Arc::new(pool),
             step: state.step,
-            initial_energy: state.initial_energy,
             ids: Vec::new(),
             bodies: Bodies::default(),
             neighbours: Neighbours::default(),
@@ -148,8 +146,8 @@ impl Backend for Cpu {
             Ok(())
         })
     }
-    fn snapshot(&self) -> State {
-        self.pool.install(|| self.state())
+    fn capture(&mut self) -> Result<Capture, Fault> {
+        Ok(self.pool.install(|| self.state()).into())
     }
     fn bytes(&self) -> usize {
         self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])

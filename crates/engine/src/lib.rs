@@ -3,11 +3,13 @@
 //! * [`State`] all that is needed to go on, in the order of persistent ids
 //! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
 //! * [`Simulation`] a state advanced by a back end under a plan
+//! * [`Capture`] a moment of it, made a state while it goes on
 //! * [`Ledger`] where the energy is and where it went
 //!
 //! The engine does no input or output. One step is `step.rs`; its stages have the same names as the files of the
 //! back end, [`cpu`].
 
+mod capture;
 pub mod cpu;
 mod fault;
 mod ledger;
@@ -16,6 +18,7 @@ mod simulation;
 mod state;
 mod step;
 
+pub use capture::Capture;
 pub use fault::Fault;
 pub use ledger::Ledger;
 pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};

@@ -1,12 +1,15 @@
 //! A state that advances.
 
-use crate::{Fault, Ledger, Plan, State, cpu, step};
+use crate::{Capture, Fault, Ledger, Plan, State, cpu, step};
 
 /// A state advanced by a back end under a plan.
 pub struct Simulation {
     plan: Plan,
     backend: Box<dyn step::Backend>,
     step: u64,
+    particles: usize,
+    /// Mechanical energy at the start of the ledger, J.
+    initial_energy: f64,
 }
 
 impl std::fmt::Debug for Simulation {
@@ -22,34 +25,49 @@ impl Simulation {
     /// [`Fault::Inconsistent`] if fields do not belong together, and whatever the first search finds.
     pub fn new(state: State, plan: Plan, options: &cpu::Options) -> Result<Self, Fault> {
         state.validate(&plan)?;
-        let (step, fresh) = (state.step, !state.forces_known);
-        let mut backend: Box<dyn step::Backend> = Box::new(cpu::Cpu::new(state, &plan, options)?);
+        let (step, particles, initial_energy, fresh) =
+            (state.step, state.len(), state.initial_energy, !state.forces_known);
+        let backend: Box<dyn step::Backend> = Box::new(cpu::Cpu::new(state, &plan, options)?);
+        let mut simulation = Simulation { plan, backend, step, particles, initial_energy };
         if fresh {
-            backend.prepare()?;
-            if plan.ledger {
+            simulation.backend.prepare()?;
+            if simulation.plan.ledger {
                 // The ledger starts here: what the springs hold at the start is not created later.
-                let mut state = backend.snapshot();
-                state.initial_energy = Ledger::of(&state, &plan).mechanical();
-                backend = Box::new(cpu::Cpu::new(state, &plan, options)?);
+                simulation.initial_energy = Ledger::of(&simulation.state()?, &simulation.plan).mechanical();
             }
         }
-        Ok(Simulation { plan, backend, step })
+        Ok(simulation)
     }
 
     /// Advances a number of steps.
     ///
     /// # Errors
-    /// A [`Fault`] stops the run; the state is then lost, go back to the last snapshot.
+    /// A [`Fault`] stops the run; the state is then lost, go back to the last one taken.
     pub fn advance(&mut self, steps: u64) -> Result<(), Fault> {
         self.backend.advance(steps)?;
         self.step += steps;
         Ok(())
     }
 
+    /// The present moment: the simulation may go on while it becomes a state.
+    ///
+    /// # Errors
+    /// Whatever the back end meets when it sets aside what it needs.
+    pub fn capture(&mut self) -> Result<Capture, Fault> {
+        let (capture, initial_energy) = (self.backend.capture()?, self.initial_energy);
+        Ok(Capture::new(move || Ok(State { initial_energy, ..capture.state()? })))
+    }
     /// The whole state, in the order of persistent ids.
+    ///
+    /// # Errors
+    /// As [`Self::capture`] and [`Capture::state`].
+    pub fn state(&mut self) -> Result<State, Fault> {
+        self.capture()?.state()
+    }
+    /// Number of particles.
     #[must_use]
-    pub fn state(&self) -> State {
-        self.backend.snapshot()
+    pub fn particles(&self) -> usize {
+        self.particles
     }
     /// The plan it follows.
     #[must_use]

@@ -1,6 +1,6 @@
 //! One step: the algorithm.
 
-use crate::{Fault, State};
+use crate::{Capture, Fault};
 
 /// The stages of a step, as a back end offers them. Stage names are file names: `cpu/predict.rs` and so on.
 pub(crate) trait Backend: Send {
@@ -20,8 +20,9 @@ pub(crate) trait Backend: Send {
     fn correct(&mut self);
     /// Forces for a state that has none yet: as in a step, but nothing moves and no history advances.
     fn prepare(&mut self) -> Result<(), Fault>;
-    /// The whole state, in the order of persistent ids.
-    fn snapshot(&self) -> State;
+    /// The present moment, without its initial energy, which the simulation knows. The sooner it returns the better:
+    /// whatever can wait until the state is asked for should.
+    fn capture(&mut self) -> Result<Capture, Fault>;
     /// Bytes held for the run, all arrays together.
     fn bytes(&self) -> usize;
     /// How often neighbours were listed.
