@@ -42,7 +42,7 @@ impl Work<'_> {
     pub(crate) fn run(mut self, simulation: Simulation) -> Result<ExitCode, Reports> {
         let began = Instant::now();
         let first = simulation.step();
-        let particles = simulation.state().len();
+        let particles = simulation.particles();
         let dt = simulation.plan().dt;
         let mut watch = Watch::new(&self.signals, self.arguments.quiet);
         let outcome = session::run(simulation, &mut self.directory, &self.schedule, &mut watch);

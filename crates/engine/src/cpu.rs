@@ -16,9 +16,8 @@ mod search;
 mod snapshot;
 mod wide;
 
-use crate::capture::Capture;
 use crate::step::{Backend, Stages, step};
-use crate::{Fault, Plan, State};
+use crate::{Capture, Fault, Plan, State};
 pub(crate) use bodies::Quad;
 pub(crate) use grid::class_of;
 
@@ -154,8 +153,7 @@ impl Backend for Cpu {
         })
     }
     fn capture(&mut self) -> Result<Capture, Fault> {
-        let state = self.pool.install(|| self.state());
-        Ok(Capture::new(move || Ok(state)))
+        Ok(self.pool.install(|| self.state()).into())
     }
     fn bytes(&self) -> usize {
         self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// The run cannot go on. The state of the last good step is the caller's last snapshot.
+/// The run cannot go on. The state of the last good step is the last one that the caller took.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Fault {
     /// A position is no longer a number.

@@ -24,9 +24,8 @@ pub use runtime::Error;
 /// What precedes the source of every kernel: the dialect, for both compilers.
 const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");
 
-use crate::capture::Capture;
 use crate::step::Backend;
-use crate::{Fault, Plan, State};
+use crate::{Capture, Fault, Plan, State};
 use run::Gpu;
 use runtime::Runtime;
 

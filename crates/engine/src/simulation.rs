@@ -1,8 +1,7 @@
 //! A state that advances.
 
-use crate::capture::Capture;
 use crate::step::Backend;
-use crate::{Device, Fault, Ledger, Plan, State};
+use crate::{Capture, Device, Fault, Ledger, Plan, State};
 
 /// A state advanced by a back end under a plan.
 pub struct Simulation {
@@ -58,12 +57,13 @@ impl Simulation {
     /// # Errors
     /// [`Fault::Device`] if the device fails.
     pub fn capture(&mut self) -> Result<Capture, Fault> {
-        Ok(self.backend.capture()?.with_initial_energy(self.initial_energy))
+        let (capture, initial_energy) = (self.backend.capture()?, self.initial_energy);
+        Ok(Capture::new(move || Ok(State { initial_energy, ..capture.state()? })))
     }
     /// The whole state, in the order of persistent ids.
     ///
     /// # Errors
-    /// As [`Simulation::capture`].
+    /// As [`Self::capture`] and [`Capture::state`].
     pub fn state(&mut self) -> Result<State, Fault> {
         self.capture()?.state()
     }

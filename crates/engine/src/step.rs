@@ -1,7 +1,6 @@
 //! One step: the algorithm.
 
-use crate::capture::Capture;
-use crate::Fault;
+use crate::{Capture, Fault};
 
 /// The stages of a step. Stage names are file names: `cpu/predict.rs`, `gpu/kernels/predict.cl` and so on; on a device
 /// several may be one kernel.
@@ -37,7 +36,8 @@ pub(crate) trait Backend: Send {
     fn advance(&mut self, steps: u64) -> Result<(), Fault>;
     /// Forces for a state that has none yet: as in a step, but nothing moves and no history advances.
     fn prepare(&mut self) -> Result<(), Fault>;
-    /// The whole state, to be put in the order of persistent ids later; without the initial energy.
+    /// The present moment, without its initial energy, which the simulation knows. The sooner it returns the better:
+    /// whatever can wait until the state is asked for should.
     fn capture(&mut self) -> Result<Capture, Fault>;
     /// Bytes held for the run, all arrays together.
     fn bytes(&self) -> usize;

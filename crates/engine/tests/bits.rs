@@ -35,7 +35,7 @@ fn run(state: &State, plan: &Plan, options: &Options, steps: u64) -> State {
     let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
     simulation.advance(steps).expect("the scene runs through");
     assert!(simulation.searches() > 1, "the scene must rebuild its lists, or it shows nothing");
-    simulation.state()
+    simulation.state().expect("a state can be taken")
 }
 
 fn laws() -> Vec<Law> {
@@ -89,7 +89,7 @@ fn same_bits_when_resumed_at_any_step() {
 fn run_short(state: &State, plan: &Plan, steps: u64) -> State {
     let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).expect("the scene is sound");
     simulation.advance(steps).expect("the scene runs through");
-    simulation.state()
+    simulation.state().expect("a state can be taken")
 }
 
 #[test]

@@ -13,11 +13,11 @@ use tdem_results::{Damage, Error, RunDirectory, checkpoint, load_final_state};
 fn a_state_comes_back_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let mut simulation = common::simulation(common::state());
-    let mut state = simulation.state();
+    let mut state = simulation.state().unwrap();
     while state.contacts.is_empty() || state.wall_contacts.is_empty() {
         assert!(state.step < 20_000, "the test needs contacts");
         simulation.advance(100).unwrap();
-        state = simulation.state();
+        state = simulation.state().unwrap();
     }
     state.derivatives = vec![[[1.0, -0.0, 1.0 / 3.0]; 4]; state.len()];
     state.velocity[0] = [-0.0, 5e-324, f64::MAX];

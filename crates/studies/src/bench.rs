@@ -78,7 +78,7 @@ pub fn contact(block: &ContactBlock, options: &Options) -> Result<Measurement, F
         rates.push((particles as u64 * block.steps) as f64 / start.elapsed().as_secs_f64());
     }
     rates.sort_unstable_by(f64::total_cmp);
-    let state = simulation.state();
+    let state = simulation.state()?;
     Ok(Measurement {
         particles,
         contacts_per_particle: 2.0 * state.contacts.len() as f64 / particles as f64,

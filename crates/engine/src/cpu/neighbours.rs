@@ -1,6 +1,9 @@
 //! Who may touch whom until the next search, and what pairs remember.
 
 use super::CHUNK;
+use super::pieces::split;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 use tdem_physics::contact::Law;
 
 /// The neighbour list. `P` is the number of listed pairs, `N` of particles, in working order.
@@ -90,23 +93,26 @@ impl Neighbours {
     /// Touching pairs, seen from their lower rank: ranks and displacement, ascending.
     pub(crate) fn histories(&self, rank: &[u32]) -> Histories {
         let n = rank.len();
+        let by_rank = indices_by_rank(rank);
+        let mine = |i: u32| {
+            let touching = self.row(i as usize).filter(|&pair| self.touching[pair]);
+            touching.filter(move |&pair| rank[i as usize] < rank[self.other[pair] as usize])
+        };
         let mut start = vec![0_u32; n + 1];
-        let mine = |i: usize, pair: usize| self.touching[pair] && rank[i] < rank[self.other[pair] as usize];
-        for i in 0..n {
-            start[rank[i] as usize + 1] = self.row(i).filter(|&pair| mine(i, pair)).count() as u32;
-        }
+        start[1..].par_iter_mut().zip(&by_rank).for_each(|(count, &i)| *count = mine(i).count() as u32);
         for r in 0..n {
             start[r + 1] += start[r];
         }
         let touching = start[n] as usize;
         let (mut second, mut displacement) = (vec![0; touching], vec![[0.0; 3]; touching]);
-        for i in 0..n {
-            let first = start[rank[i] as usize] as usize;
-            for (place, pair) in (first..).zip(self.row(i).filter(|&pair| mine(i, pair))) {
+        let bounds: Vec<usize> = (0..n).step_by(CHUNK).chain([n]).map(|r| start[r] as usize).collect();
+        let pieces: Vec<_> = split(&mut second, &bounds).zip(split(&mut displacement, &bounds)).collect();
+        pieces.into_par_iter().zip(by_rank.par_chunks(CHUNK)).for_each(|((second, displacement), chunk)| {
+            for (place, pair) in chunk.iter().flat_map(|&i| mine(i)).enumerate() {
                 second[place] = rank[self.other[pair] as usize];
                 displacement[place] = self.displacement.get(pair).copied().unwrap_or_default();
             }
-        }
+        });
         let mut walls: Vec<_> = self
             .wall_slots
             .iter()
@@ -155,6 +161,13 @@ impl Neighbours {
             + size(&self.wall_slots)
             + size(&self.wall_start)
     }
+}
+
+/// Where each rank stands in working order, `(N)`.
+pub(crate) fn indices_by_rank(rank: &[u32]) -> Vec<u32> {
+    let index: Vec<AtomicU32> = rank.par_iter().map(|_| AtomicU32::new(0)).collect();
+    rank.par_iter().enumerate().for_each(|(i, &rank)| index[rank as usize].store(i as u32, Ordering::Relaxed));
+    index.into_par_iter().map(AtomicU32::into_inner).collect()
 }
 
 /// Numbers per entry of [`Neighbours::reaction`].

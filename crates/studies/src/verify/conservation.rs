@@ -202,17 +202,17 @@ fn energy_elastic(bench: &mut Bench) -> Result<(), Fault> {
     cloud(&mut scene, spacing, least, 0.0096, speed);
     repeating(&mut scene, spacing);
     let mut simulation = bench.start(&scene)?;
-    let start = Ledger::of(&simulation.state(), &scene.plan).mechanical();
+    let start = Ledger::of(&simulation.state()?, &scene.plan).mechanical();
     let (mut worst, mut impacts) = (0.0_f64, 0);
     for _ in 0..400 {
         simulation.advance(25)?;
-        let now = Ledger::of(&simulation.state(), &scene.plan);
+        let now = Ledger::of(&simulation.state()?, &scene.plan);
         worst = worst.max((now.mechanical() / start - 1.0).abs());
         impacts += now.contacts;
     }
     bench.judge("largest change of energy", "1", worst, Kind::Conservation.at_most(1e-4));
     bench.judge("contacts seen", "1", impacts as f64, Kind::Conservation.at_least(100.0));
-    bench.seal(&simulation.state());
+    bench.seal(&simulation.state()?);
     Ok(())
 }
 

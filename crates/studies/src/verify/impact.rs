@@ -120,7 +120,7 @@ fn watch(bench: &mut Bench, scene: &Scene, overlap: impl Fn(&[[f64; 3]]) -> f64)
     let mut before = 0.0;
     for _ in 0..100_000 {
         simulation.advance(1)?;
-        let state = simulation.state();
+        let state = simulation.state()?;
         let h = overlap(&state.position);
         watched.largest_overlap = watched.largest_overlap.max(h);
         watched.largest_force = watched.largest_force.max(state.force[0].iter().map(|f| f * f).sum::<f64>().sqrt());

@@ -79,11 +79,11 @@ fn rebound(bench: &mut Bench, integrator: Integrator, golden: Rebounds) -> Resul
         scene.floor();
         scene.moving(radius, material.density, [0.0, 0.0, radius], [0.0, 0.0, -speed]);
         let mut simulation = bench.start(&scene)?;
-        let mut state = simulation.state();
+        let mut state = simulation.state()?;
         // The first step after which the sphere is above the floor again: Gear's method goes on correcting after it.
         for _ in 0..2 * parts as u64 {
             simulation.advance(1)?;
-            state = simulation.state();
+            state = simulation.state()?;
             if state.position[0][2] > radius {
                 break;
             }

@@ -114,7 +114,7 @@ fn bouncing_ball(bench: &mut Bench) -> Result<(), Fault> {
     let mut bounce = 0;
     while bounce < bounces && simulation.time() < 10.0 {
         simulation.advance(200)?;
-        let state = simulation.state();
+        let state = simulation.state()?;
         let (above, speed) = (state.position[0][2] - radius, state.velocity[0][2]);
         if above > 0.0 && speed > 0.0 && falling {
             bounce += 1;
@@ -128,7 +128,7 @@ fn bouncing_ball(bench: &mut Bench) -> Result<(), Fault> {
         }
         falling = speed < 0.0 || above <= 0.0;
     }
-    bench.seal(&simulation.state());
+    bench.seal(&simulation.state()?);
     bench.judge("bounces seen", "1", f64::from(bounce), Kind::ClosedForm.within(f64::from(bounces), 0.0));
     Ok(())
 }
@@ -155,13 +155,13 @@ fn sliding_to_rolling(bench: &mut Bench) -> Result<(), Fault> {
     let roll = 2.0 * speed / (7.0 * brake);
     let mut simulation = bench.start(&scene)?;
     simulation.advance((0.5 * roll / scene.plan.dt) as u64)?;
-    let (state, time) = (simulation.state(), simulation.time());
+    let (state, time) = (simulation.state()?, simulation.time());
     let velocity = speed - brake * time;
     bench.judge("velocity while sliding", "m/s", state.velocity[0][0], Kind::ClosedForm.relative(velocity, 1e-3));
     let surface = 2.5 * brake * time / radius;
     bench.judge("spin while sliding", "rad/s", state.angular_velocity[0][1], Kind::ClosedForm.relative(surface, 1e-3));
     simulation.advance((1.0 * roll / scene.plan.dt) as u64)?;
-    let (state, time) = (simulation.state(), simulation.time());
+    let (state, time) = (simulation.state()?, simulation.time());
     let rolling = 5.0 / 7.0 * speed;
     bench.judge("velocity while rolling", "m/s", state.velocity[0][0], Kind::ClosedForm.relative(rolling, 1e-3));
     let spin = rolling / radius;
@@ -180,10 +180,10 @@ fn sliding_to_rest(bench: &mut Bench) -> Result<(), Fault> {
     let mut simulation = bench.start(&scene)?;
     simulation.advance((0.5 * speed / brake / scene.plan.dt) as u64)?;
     let velocity = speed - brake * simulation.time();
-    let got = simulation.state().velocity[0][0];
+    let got = simulation.state()?.velocity[0][0];
     bench.judge("velocity while sliding", "m/s", got, Kind::ClosedForm.relative(velocity, 1e-3));
     simulation.advance((0.7 * speed / brake / scene.plan.dt) as u64)?;
-    let state = simulation.state();
+    let state = simulation.state()?;
     bench.judge("speed at the end", "m/s", state.velocity[0][0].abs(), Kind::ClosedForm.at_most(1e-9));
     let way = 0.5 * speed * speed / brake;
     bench.judge("way", "m", state.position[0][0], Kind::ClosedForm.relative(way, 1e-3));
@@ -206,17 +206,17 @@ fn stack(bench: &mut Bench) -> Result<(), Fault> {
     scene.moving(lower, PLASTIC.density, [0.0, 0.0, lower - press], [0.0, 0.0, 0.02]);
     scene.moving(upper, PLASTIC.density, [0.0, 0.0, 2.0 * lower + upper - 2.0 * press], [0.0, 0.0, -0.03]);
     let mut simulation = bench.start(&scene)?;
-    let start = Ledger::of(&simulation.state(), &scene.plan);
+    let start = Ledger::of(&simulation.state()?, &scene.plan);
     // Heights would hide what the springs do: count them from where the spheres start.
     let unit = start.mechanical() - start.gravitational;
     let mut worst = 0.0_f64;
     for _ in 0..400 {
         simulation.advance(50)?;
-        let now = Ledger::of(&simulation.state(), &scene.plan);
+        let now = Ledger::of(&simulation.state()?, &scene.plan);
         worst = worst.max((now.mechanical() - start.mechanical()).abs() / unit);
     }
     bench.judge("largest change of energy", "1", worst, Kind::Conservation.at_most(1e-4));
-    let state = simulation.state();
+    let state = simulation.state()?;
     let side = state.velocity.iter().fold(0.0, |side: f64, v| side.max(v[0].abs()).max(v[1].abs()));
     bench.judge("sideways velocity", "m/s", side, Kind::ClosedForm.within(0.0, 0.0));
     bench.seal(&state);

@@ -256,7 +256,7 @@ impl Bench {
     pub(super) fn after(&mut self, scene: &Scene, steps: u64) -> Result<State, Fault> {
         let mut simulation = self.start(scene)?;
         simulation.advance(steps)?;
-        let state = simulation.state();
+        let state = simulation.state()?;
         self.seal(&state);
         Ok(state)
     }

@@ -113,7 +113,7 @@ fn while_moving(bench: &mut Bench) -> Result<(), Fault> {
     let (mut wrong, mut pairs) = (0.0, 0);
     for _ in 0..10 {
         simulation.advance(37)?;
-        let state = simulation.state();
+        let state = simulation.state()?;
         let expected = brute_force(&state, &scene.plan.domain);
         pairs += expected.len();
         wrong += difference(&listed(&state), &expected);
@@ -122,7 +122,7 @@ fn while_moving(bench: &mut Bench) -> Result<(), Fault> {
     let searches = simulation.searches() as f64;
     bench.judge("lists made in 370 steps, at least", "1", searches, Kind::Invariance.at_least(10.0));
     bench.judge("lists made in 370 steps, at most", "1", searches, Kind::Invariance.at_most(180.0));
-    bench.seal(&simulation.state());
+    bench.seal(&simulation.state()?);
     Ok(())
 }
 

@@ -125,7 +125,7 @@ fn one_turn(bench: &mut Bench, parts: u32, stored: [f64; 3]) -> Result<State, Fa
     }
     let mut simulation = bench.start(&scene)?;
     for part in 1..=parts {
-        let mut now = Scene { state: simulation.state(), plan: scene.plan.clone() };
+        let mut now = Scene { state: simulation.state()?, plan: scene.plan.clone() };
         let angle = 2.0 * std::f64::consts::PI * f64::from(part) / f64::from(parts);
         let place = [arm * libm::cos(angle), arm * libm::sin(angle), 0.0];
         for (k, sign) in [(0, -1.0), (1, 1.0)] {
@@ -136,7 +136,7 @@ fn one_turn(bench: &mut Bench, parts: u32, stored: [f64; 3]) -> Result<State, Fa
         simulation = bench.start(&now)?;
         simulation.advance(1)?;
     }
-    Ok(simulation.state())
+    simulation.state()
 }
 
 fn rotating_pair(bench: &mut Bench) -> Result<(), Fault> {

@@ -116,9 +116,9 @@ fn oscillator(bench: &mut Bench, integrator: Integrator, omega_dt: f64, zeta: f6
     let mut largest = 0.0_f64;
     for _ in 0..200 {
         simulation.advance(1)?;
-        largest = largest.max(simulation.state().position[0][2].abs());
+        largest = largest.max(simulation.state()?.position[0][2].abs());
     }
-    bench.seal(&simulation.state());
+    bench.seal(&simulation.state()?);
     Ok(largest / amplitude)
 }
 
