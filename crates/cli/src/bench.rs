@@ -1,5 +1,6 @@
 //! `tdem bench`: how fast this machine is, as data.
 
+use crate::bench_case;
 use crate::console::{data, say};
 use crate::machine::instructions;
 use crate::render::{Report, Reports};
@@ -21,6 +22,8 @@ pub(crate) struct Arguments {
 enum Benchmark {
     /// Contacts and motion of a block of touching spheres: particle-steps per second, bytes per particle
     Contact(Contact),
+    /// Whole steps of a case on any device
+    Case(bench_case::Arguments),
 }
 
 #[derive(Args, Debug)]
@@ -87,7 +90,10 @@ impl Model {
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
-    let Benchmark::Contact(arguments) = &arguments.benchmark;
+    let arguments = match &arguments.benchmark {
+        Benchmark::Contact(arguments) => arguments,
+        Benchmark::Case(arguments) => return bench_case::execute(arguments),
+    };
     let &[x, y, z] = &arguments.cells[..] else {
         return Err(Report::new("tdem::bench::cells", "--cells takes three numbers, such as 20,20,40").into());
     };
@@ -107,7 +113,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
                 ..cpu::Options::default()
             };
             say(format!("{} on {threads} ...", model.name()));
-            let measured = contact(&block, &options)
+            let measured = contact(&block, &options.into())
                 .map_err(|fault| Report::new("tdem::bench::fault", format!("the benchmark broke: {fault}")))?;
             rows.push((model, measured));
         }

@@ -1,10 +1,12 @@
 //! `tdem`, the command: runs cases, goes on with runs, and looks at what they left.
 
 mod bench;
+mod bench_case;
 mod cases;
 mod check;
 mod command;
 mod console;
+mod device;
 mod files;
 mod info;
 mod machine;

@@ -130,6 +130,7 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",
         Fault::Threads { .. } => "tdem::run::threads",
         Fault::Inconsistent { .. } => "tdem::run::inconsistent",
+        Fault::Device(_) => "tdem::run::device",
     }
 }
 

@@ -86,10 +86,8 @@ fn same_bits_with_several_materials_and_prescribed_motion() {
         soft.dynamic_friction = 0.1;
         plan.interactions = vec![plan.interactions[0], soft, soft, soft];
         plan.walls[1].material = 1;
-        plan.constraints.push(Constraint {
-            velocity: [Some(0.2), None, Some(0.0)],
-            angular_velocity: [None, Some(3.0), None],
-        });
+        plan.constraints
+            .push(Constraint { velocity: [Some(0.2), None, Some(0.0)], angular_velocity: [None, Some(3.0), None] });
         for i in 0..state.len() {
             state.material[i] = (i % 3 == 0).into();
             state.constraint[i] = (i % 50 == 0).into();

@@ -27,9 +27,9 @@ mod formulas;
 mod members;
 
 pub use formulas::{
-    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, ReleasedBySpheres,
-    ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy, TouchOfSpheres,
-    TouchOfWall,
+    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage,
+    ReleasedBySpheres, ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy,
+    TouchOfSpheres, TouchOfWall,
 };
 pub use members::{Members, Parameter, Parameters};
 

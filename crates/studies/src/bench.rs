@@ -3,10 +3,9 @@
 //! Speed is shown by files of measurements, not by timed tests: a test that fails when a machine is busy says nothing.
 
 use std::time::Instant;
-use tdem_engine::cpu::Options;
 use tdem_engine::physics::contact::{Interaction, Law};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
-use tdem_engine::{Constraint, Domain, Fault, Integrator, Plan, Search, Simulation, State};
+use tdem_engine::{Constraint, Device, Domain, Fault, Integrator, Plan, Search, Simulation, State};
 
 /// The contact benchmark: a block of spheres on a face-centred cubic lattice, pressed together a little, all contacts
 /// present from the start. Material and dampings are those of the gravity packing.
@@ -38,8 +37,10 @@ pub struct Measurement {
     pub particles: usize,
     /// Contacts per particle, each counted at both ends.
     pub contacts_per_particle: f64,
-    /// Threads asked for.
+    /// Threads asked for, on a CPU.
     pub threads: usize,
+    /// How often neighbours were listed while it was measured.
+    pub searches: u64,
     /// Steps per measurement.
     pub steps: u64,
     /// Particle-steps per second, best of all repeats.
@@ -65,30 +66,60 @@ const AGITATION: f64 = 0.05;
 ///
 /// # Errors
 /// The [`Fault`] of a run that cannot go on; in this scene that would be a bug.
-pub fn contact(block: &ContactBlock, options: &Options) -> Result<Measurement, Fault> {
-    let state = lattice(block);
-    let particles = state.len();
-    let mut simulation = Simulation::new(state, plan(block), options)?;
+pub fn contact(block: &ContactBlock, device: &Device) -> Result<Measurement, Fault> {
     // Page faults and the first list belong to the start, not to the rate.
-    simulation.advance(5)?;
-    let mut rates = Vec::with_capacity(block.repeats);
-    for _ in 0..block.repeats.max(1) {
-        let start = Instant::now();
-        simulation.advance(block.steps)?;
-        rates.push((particles as u64 * block.steps) as f64 / start.elapsed().as_secs_f64());
+    let phase = Phase { after: 5, steps: block.steps, repeats: block.repeats };
+    phase.measure(lattice(block), plan(block), device)
+}
+
+/// What part of a run is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase {
+    /// Steps before.
+    pub after: u64,
+    /// Steps per measurement.
+    pub steps: u64,
+    /// Measurements, one after the other; the best and the median are reported.
+    pub repeats: usize,
+}
+
+impl Phase {
+    /// Measures whole steps: contacts, motion, walls, and search as often as it is due.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a run that cannot go on.
+    pub fn measure(&self, state: State, plan: Plan, device: &Device) -> Result<Measurement, Fault> {
+        let mut simulation = Simulation::new(state, plan, device)?;
+        let particles = simulation.particles();
+        simulation.advance(self.after)?;
+        let searches = simulation.searches();
+        let mut rates = Vec::with_capacity(self.repeats);
+        for _ in 0..self.repeats.max(1) {
+            let start = Instant::now();
+            simulation.advance(self.steps)?;
+            rates.push((particles as u64 * self.steps) as f64 / start.elapsed().as_secs_f64());
+        }
+        rates.sort_unstable_by(f64::total_cmp);
+        let searches = simulation.searches() - searches;
+        let bytes = simulation.bytes();
+        let state = simulation.state()?;
+        Ok(Measurement {
+            particles,
+            contacts_per_particle: 2.0 * state.contacts.len() as f64 / particles as f64,
+            threads: match device {
+                Device::Cpu(options) => {
+                    options.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
+                }
+                Device::Gpu { .. } => 0,
+            },
+            searches,
+            steps: self.steps,
+            best_rate: rates[rates.len() - 1],
+            median_rate: rates[rates.len() / 2],
+            bytes_per_particle: bytes as f64 / particles as f64,
+            hash: state.hash(),
+        })
     }
-    rates.sort_unstable_by(f64::total_cmp);
-    let state = simulation.state()?;
-    Ok(Measurement {
-        particles,
-        contacts_per_particle: 2.0 * state.contacts.len() as f64 / particles as f64,
-        threads: options.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)),
-        steps: block.steps,
-        best_rate: rates[rates.len() - 1],
-        median_rate: rates[rates.len() / 2],
-        bytes_per_particle: simulation.bytes() as f64 / particles as f64,
-        hash: state.hash(),
-    })
 }
 
 fn plan(block: &ContactBlock) -> Plan {
@@ -161,12 +192,13 @@ fn agitation(particle: usize) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tdem_engine::cpu::Options;
 
     #[test]
     fn the_block_touches_everywhere_and_its_result_does_not_depend_on_threads() {
         let block = ContactBlock { cells: [6, 6, 6], steps: 20, repeats: 1, ..ContactBlock::default() };
-        let one = contact(&block, &Options { threads: Some(1), ..Options::default() }).unwrap();
-        let three = contact(&block, &Options { threads: Some(3), lanes: false, ..Options::default() }).unwrap();
+        let one = contact(&block, &Options { threads: Some(1), ..Options::default() }.into()).unwrap();
+        let three = contact(&block, &Options { threads: Some(3), lanes: false, ..Options::default() }.into()).unwrap();
         assert_eq!(one.particles, 864);
         assert!(one.contacts_per_particle > 9.0, "{one:?}");
         assert_eq!(one.hash, three.hash);

@@ -83,8 +83,7 @@ impl<M> Fields<M> {
                 (true, true) => (0..count).flat_map(|c| (0..n).map(move |i| value(c, i))).collect(),
             }
         };
-        let derivatives =
-            planes(12, gear, !state.derivatives.is_empty(), &|c, i| state.derivatives[i][c / 3][c % 3]);
+        let derivatives = planes(12, gear, !state.derivatives.is_empty(), &|c, i| state.derivatives[i][c / 3][c % 3]);
         let accounts = planes(4, plan.ledger, !state.accounts.is_empty(), &|c, i| state.accounts[i][c]);
         let image: Vec<i32> = if plan.domain.period().any() {
             (0..3).flat_map(|k| state.image.iter().map(move |image| image[k])).collect()

@@ -340,6 +340,7 @@ fn listing(index: usize) -> Result<Listing, Error> {
         // SAFETY: the device comes from the driver.
         memory: unsafe { result::device::total_mem(device) }.map_err(asked)? as u64,
         fp64: true,
+        processor: false,
         // SAFETY: the device comes from the driver.
         compute_units: unsafe { result::device::get_attribute(device, CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT) }
             .map_err(asked)? as u32,

@@ -39,6 +39,8 @@ pub struct Listing {
     pub memory: u64,
     /// Whether it computes with 64-bit reals.
     pub fp64: bool,
+    /// Whether it is a processor that poses as a GPU: no faster than the CPU back end.
+    pub processor: bool,
     /// Multiprocessors, or what the vendor counts as such.
     pub compute_units: u32,
     /// Whether `tdem` can use it, else why not.

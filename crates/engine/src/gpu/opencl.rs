@@ -7,7 +7,7 @@ use super::pool::{Block, Pool};
 use super::runtime::{Argument, Error, Fetch, Runtime};
 use opencl3::command_queue::CommandQueue;
 use opencl3::context::Context;
-use opencl3::device::{CL_DEVICE_TYPE_ALL, Device};
+use opencl3::device::{CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, Device};
 use opencl3::error_codes::{
     CL_BUILD_PROGRAM_FAILURE, CL_DEVICE_NOT_FOUND, CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE,
     CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, CL_PLATFORM_NOT_FOUND_KHR, ClError, DLOPEN_RUNTIME_LOAD_FAILED,
@@ -293,6 +293,7 @@ fn listing(index: usize, device: &Device) -> Result<Listing, ClError> {
         driver: words(format!("{} {}", device.version()?, device.driver_version()?)),
         memory: device.global_mem_size()?,
         fp64: device.double_fp_config().unwrap_or(0) != 0,
+        processor: device.dev_type()? & CL_DEVICE_TYPE_CPU != 0,
         compute_units: device.max_compute_units()?,
         usable: Ok(()),
     })

@@ -62,8 +62,7 @@ impl<R: Runtime> Gpu<R> {
         let n = state.len();
         let friction = plan.law.friction != Friction::Off;
         let fields = Fields::new(&queue, &state, plan)?;
-        let speed_squared =
-            state.velocity.iter().map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max);
+        let speed_squared = state.velocity.iter().map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max);
         let mut gpu = Gpu {
             plan: plan.clone(),
             step: state.step,

@@ -272,10 +272,8 @@ impl<R: Runtime> Gpu<R> {
         let (queue, rows, kept) = (&self.queue, &self.rows, &mut self.histories);
         let rank = &self.fields.rank;
         let particles = n as u32;
-        queue.run(
-            &HistoryCount { particles, slice: &rows.slice, other: &rows.other, rank, counts: &kept.starts },
-            n,
-        )?;
+        queue
+            .run(&HistoryCount { particles, slice: &rows.slice, other: &rows.other, rank, counts: &kept.starts }, n)?;
         scan(queue, &mut self.scratch.sums, &self.scratch.total, &kept.starts, n)?;
         let entries = queue.read(&self.scratch.total, 1)?[0] as usize;
         reserve(queue, &mut kept.partners, entries, entries / 8)?;

@@ -117,8 +117,7 @@ fn contacts(ids: &[u32], starts: &[u32], partners: &[u32], remembered: &[f64]) -
     let (mut pairs, mut walls) = (Vec::with_capacity(partners.len()), Vec::new());
     for rank in 0..n {
         for at in starts[rank] as usize..starts[rank + 1] as usize {
-            let displacement =
-                remembered.get(3 * at..3 * at + 3).map_or([0.0; 3], |kept| [kept[0], kept[1], kept[2]]);
+            let displacement = remembered.get(3 * at..3 * at + 3).map_or([0.0; 3], |kept| [kept[0], kept[1], kept[2]]);
             let partner = partners[at] as usize;
             if partner < n {
                 pairs.push(Contact { first: ids[rank], second: ids[partner], displacement });
