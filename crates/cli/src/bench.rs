@@ -1,7 +1,7 @@
 //! `tdem bench`: how fast this machine is, as data.
 
 use crate::console::{data, say};
-use crate::machine::instructions;
+use crate::machine::{instructions, width};
 use crate::render::{Report, Reports};
 use clap::{Args, Subcommand, ValueEnum};
 use std::fmt::Write;
@@ -103,7 +103,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             };
             let options = cpu::Options {
                 threads: Some(usize::from(threads)),
-                lanes: !arguments.scalar,
+                width: width(arguments.scalar),
                 ..cpu::Options::default()
             };
             say(format!("{} on {threads} ...", model.name()));

@@ -10,8 +10,8 @@ pub(super) use eight::rows_eight;
 use super::bodies::{Bodies, Quad, sphere};
 use super::neighbours::reaction_stride;
 use super::pieces::split;
-use super::wide::rows_widest;
-use super::{CHUNK, Cpu};
+use super::wide::{rows_portable, rows_widest};
+use super::{CHUNK, Cpu, Width};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
 use rayon::prelude::*;
@@ -93,14 +93,16 @@ pub(super) type Crushed = Option<(u32, u32)>;
 type Loop = fn(&Scene<'_>, &mut Rows<'_>) -> Crushed;
 
 /// The loop compiled for a law.
-fn choose(law: Law, ledger: bool, lanes: bool) -> Loop {
+fn choose(law: Law, ledger: bool, width: Width) -> Loop {
     macro_rules! compiled {
         ($f:literal, $m:literal) => {
-            match (lanes, ledger) {
-                (false, false) => rows_scalar::<Compiled<$f, $m, false>>,
-                (false, true) => rows_scalar::<Compiled<$f, $m, true>>,
-                (true, false) => rows_widest::<Compiled<$f, $m, false>>,
-                (true, true) => rows_widest::<Compiled<$f, $m, true>>,
+            match (width, ledger) {
+                (Width::One, false) => rows_scalar::<Compiled<$f, $m, false>>,
+                (Width::One, true) => rows_scalar::<Compiled<$f, $m, true>>,
+                (Width::Portable, false) => rows_portable::<Compiled<$f, $m, false>>,
+                (Width::Portable, true) => rows_portable::<Compiled<$f, $m, true>>,
+                (Width::Widest, false) => rows_widest::<Compiled<$f, $m, false>>,
+                (Width::Widest, true) => rows_widest::<Compiled<$f, $m, true>>,
             }
         };
     }
@@ -132,7 +134,7 @@ impl Cpu {
             step: self.history_step,
             overlap_limit: 0.5 * self.plan.overlap_limit,
         };
-        let evaluate = choose(self.plan.law, self.plan.ledger, self.options.lanes);
+        let evaluate = choose(self.plan.law, self.plan.ledger, self.options.width);
         let list = &mut self.neighbours;
         let n = rank.len();
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
