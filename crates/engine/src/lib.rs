@@ -4,21 +4,26 @@
 //! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
 //! * [`Simulation`] a state advanced by a back end under a plan
 //! * [`Ledger`] where the energy is and where it went
+//! * [`Schedule`] when a run ends and when its state is wanted
 //!
 //! The engine does no input or output. One step is `step.rs`; its stages have the same names as the files of the
 //! back end, [`cpu`].
 
 pub mod cpu;
+mod evaluate;
 mod fault;
 mod ledger;
 mod plan;
+mod schedule;
 mod simulation;
 mod state;
 mod step;
 
+pub use evaluate::Evaluated;
 pub use fault::Fault;
 pub use ledger::Ledger;
 pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};
+pub use schedule::Schedule;
 pub use simulation::Simulation;
 pub use state::{Contact, State, WallContact, energy_accounts};
 pub use tdem_physics as physics;
