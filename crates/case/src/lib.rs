@@ -33,6 +33,6 @@ pub use build::{Built, Memory, NoRuns, RunLoader};
 pub use limits::{StepLimit, StepLimits};
 pub use load::{Loaded, load, parse};
 pub use problem::{Label, Problem, Problems, Severity, Source};
-pub use schedule::{Fields, Schedule};
+pub use schedule::Fields;
 pub use schema::{Case, json_schema};
 pub use starter::starter;

@@ -1,28 +1,12 @@
 //! How long a run lasts and when it writes.
 
-use crate::schema::{Case, Positive, Precision};
+use crate::schema::{Case, Output, Positive, Precision};
+use tdem_engine::Schedule;
 
 /// Frames after the first, if the case does not say.
 const FRAMES: u32 = 50;
 /// Rows of the history after the first, if the case does not say.
 const HISTORY_ROWS: f64 = 1000.0;
-
-/// How long a run lasts and when it writes, in steps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Schedule {
-    /// Steps of the whole run.
-    pub steps: u64,
-    /// A frame every so many steps; 0 for none.
-    pub frame_every: u64,
-    /// A row of the history every so many steps; 0 for none.
-    pub history_every: u64,
-    /// A checkpoint every so many steps, if the case asks for it.
-    pub checkpoint_every: Option<u64>,
-    /// A checkpoint after so many seconds on the clock.
-    pub checkpoint_interval_secs: f64,
-    /// What frames hold.
-    pub fields: Fields,
-}
 
 /// What frames hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,25 +19,29 @@ pub struct Fields {
     pub compression: u32,
 }
 
-impl Schedule {
-    pub(crate) fn of(case: &Case, dt: f64) -> Self {
-        let (end, output) = (case.time.end.get(), &case.output);
-        // A duration that is a whole number of steps must not get one more from rounding.
-        let steps = (end / dt * (1.0 - 1e-9)).ceil().max(1.0) as u64;
-        let every = |interval: f64| ((interval / dt).round() as u64).clamp(1, steps);
-        let frame_every = match (output.interval, output.frames) {
-            (Some(interval), _) => every(interval.get()),
-            (None, Some(0)) => 0,
-            // Rounded up, so that there are never more frames than asked for.
-            (None, frames) => steps.div_ceil(u64::from(frames.unwrap_or(FRAMES))),
-        };
-        Schedule {
-            steps,
-            frame_every,
-            history_every: every(output.history_interval.map_or(end / HISTORY_ROWS, Positive::get)),
-            checkpoint_every: output.checkpoint_interval.map(|interval| every(interval.get())),
-            checkpoint_interval_secs: output.checkpoint_interval_secs.get(),
-            fields: Fields { contacts: output.contacts, precision: output.precision, compression: output.compression },
-        }
+/// The schedule that a case asks for.
+pub(crate) fn schedule(case: &Case, dt: f64) -> Schedule {
+    let (end, output) = (case.time.end.get(), &case.output);
+    // A duration that is a whole number of steps must not get one more from rounding.
+    let steps = (end / dt * (1.0 - 1e-9)).ceil().max(1.0) as u64;
+    let every = |interval: f64| ((interval / dt).round() as u64).clamp(1, steps);
+    let frame_every = match (output.interval, output.frames) {
+        (Some(interval), _) => every(interval.get()),
+        (None, Some(0)) => 0,
+        // Rounded up, so that there are never more frames than asked for.
+        (None, frames) => steps.div_ceil(u64::from(frames.unwrap_or(FRAMES))),
+    };
+    Schedule {
+        steps,
+        frame_every,
+        history_every: every(output.history_interval.map_or(end / HISTORY_ROWS, Positive::get)),
+        checkpoint_every: output.checkpoint_interval.map(|interval| every(interval.get())),
+        checkpoint_interval_secs: output.checkpoint_interval_secs.get(),
+    }
+}
+
+impl Fields {
+    pub(crate) fn of(output: &Output) -> Self {
+        Fields { contacts: output.contacts, precision: output.precision, compression: output.compression }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::bench_case;
 use crate::console::{data, say};
-use crate::machine::instructions;
+use crate::machine::{instructions, width};
 use crate::render::{Report, Reports};
 use clap::{Args, Subcommand, ValueEnum};
 use std::fmt::Write;
@@ -109,7 +109,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             };
             let options = cpu::Options {
                 threads: Some(usize::from(threads)),
-                lanes: !arguments.scalar,
+                width: width(arguments.scalar),
                 ..cpu::Options::default()
             };
             say(format!("{} on {threads} ...", model.name()));

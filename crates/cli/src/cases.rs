@@ -63,17 +63,6 @@ pub(crate) fn contents(fields: Fields) -> Contents {
     }
 }
 
-/// When a run writes; `steps` replaces the number of steps that the case asks for.
-pub(crate) fn schedule(of_case: &tdem_case::Schedule, steps: Option<u64>) -> tdem_results::Schedule {
-    tdem_results::Schedule {
-        steps: steps.unwrap_or(of_case.steps),
-        frame_every: of_case.frame_every,
-        history_every: of_case.history_every,
-        checkpoint_every: of_case.checkpoint_every,
-        checkpoint_interval_secs: of_case.checkpoint_interval_secs,
-    }
-}
-
 /// Whether a state belongs to a case: what a run never changes must be what the case says.
 pub(crate) fn belongs(state: &State, built: &Built) -> bool {
     let first = &built.state;

@@ -99,7 +99,7 @@ fn schedule(built: &Built) -> String {
 
 /// An estimate of one frame, from the sizes of frames of a settled packing and of a single ball.
 fn frame_bytes(built: &Built) -> u64 {
-    let fields = built.schedule.fields;
+    let fields = built.fields;
     let particle = BYTES_PER_PARTICLE + if fields.contacts { BYTES_OF_CONTACTS } else { 0 };
     let precision = if fields.precision == Precision::Double { 2 } else { 1 };
     FRAME_BYTES + precision * particle * built.state.len() as u64

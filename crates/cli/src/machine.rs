@@ -56,7 +56,7 @@ impl Machine {
     pub(crate) fn options(&self) -> cpu::Options {
         cpu::Options {
             threads: self.threads.map(usize::from),
-            lanes: !self.scalar,
+            width: width(self.scalar),
             list: if self.list == List::Half { cpu::List::Half } else { cpu::List::Full },
             ..cpu::Options::default()
         }
@@ -71,6 +71,11 @@ impl Machine {
         let lanes = if self.scalar { "one contact at a time".to_owned() } else { instructions().to_owned() };
         format!("{device}, {threads}, {lanes}")
     }
+}
+
+/// Contacts at a time.
+pub(crate) fn width(scalar: bool) -> cpu::Width {
+    if scalar { cpu::Width::One } else { cpu::Width::Widest }
 }
 
 /// The widest instruction set that the engine uses here.

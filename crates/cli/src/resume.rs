@@ -2,9 +2,7 @@
 
 use crate::cases;
 use crate::console::say;
-use crate::machine::Machine;
 use crate::render::{self, Report, Reports};
-use crate::signals::Signals;
 use crate::units::{argument, grouped, short};
 use crate::work::{self, Work, print_hash};
 use clap::Args;
@@ -21,8 +19,6 @@ pub(crate) struct Arguments {
     run: PathBuf,
     #[command(flatten)]
     work: work::Arguments,
-    #[command(flatten)]
-    machine: Machine,
 }
 
 const EXAMPLES: &str = "\
@@ -39,10 +35,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         return Err(Error::NotARun { path: run.clone() }.into());
     }
     let loaded = cases::load(&case, &[])?;
-    arguments.machine.prepare()?;
+    arguments.work.machine.prepare()?;
     let built = cases::build(&loaded)?;
-    let schedule = cases::schedule(&built.schedule, arguments.work.steps);
-    let Resumed { mut directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
+    let schedule = arguments.work.schedule(built.schedule);
+    let Resumed { directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
     for damaged in &damaged {
         let told = Report::warning("tdem::results::damaged-checkpoint", damaged.to_string());
         render::warn(&told.help("the one before it is used; steps since then are computed again").into());
@@ -92,12 +88,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             grouped(state.len() as u64),
             grouped(schedule.steps),
             "device",
-            arguments.machine.describe()
+            arguments.work.machine.describe()
         ));
     }
-    let simulation = Simulation::new(state, built.plan, &arguments.machine.options())?;
-    let signals = Signals::catch()?;
-    directory.set_contents(cases::contents(built.schedule.fields));
-    let work = Work { directory, schedule, of_case: built.schedule.steps, signals, arguments: &arguments.work };
+    let simulation = Simulation::new(state, built.plan, &arguments.work.machine.options())?;
+    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work };
     work.run(simulation)
 }

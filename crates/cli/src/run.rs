@@ -1,9 +1,7 @@
 //! `tdem run`: a case from its file to its last step.
 
 use crate::console::say;
-use crate::machine::Machine;
 use crate::render::{self, Reports};
-use crate::signals::Signals;
 use crate::work::{self, Work};
 use crate::{cases, summary};
 use clap::Args;
@@ -29,8 +27,6 @@ pub(crate) struct Arguments {
     set: Vec<(String, String)>,
     #[command(flatten)]
     work: work::Arguments,
-    #[command(flatten)]
-    machine: Machine,
 }
 
 const EXAMPLES: &str = "\
@@ -49,19 +45,17 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if !arguments.overwrite && out.join("case.toml").exists() {
         return Err(Error::RunExists { path: out }.into());
     }
-    arguments.machine.prepare()?;
+    arguments.work.machine.prepare()?;
     let built = cases::build(&loaded)?;
     render::warn(&Reports::from(&built.warnings));
-    let schedule = cases::schedule(&built.schedule, arguments.work.steps);
     if !arguments.work.quiet {
-        say(summary::before(&loaded, &built, &schedule, &arguments.machine, &out));
+        let schedule = arguments.work.schedule(built.schedule);
+        say(summary::before(&loaded, &built, &schedule, &arguments.work.machine, &out));
     }
     let kept = cases::kept(&loaded, &built)?;
-    let simulation = Simulation::new(built.state, built.plan, &arguments.machine.options())?;
-    let signals = Signals::catch()?;
-    let mut directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
-    directory.set_contents(cases::contents(built.schedule.fields));
-    let work = Work { directory, schedule, of_case: built.schedule.steps, signals, arguments: &arguments.work };
+    let simulation = Simulation::new(built.state, built.plan, &arguments.work.machine.options())?;
+    let directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
+    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work };
     work.run(simulation)
 }
 

@@ -1,7 +1,7 @@
-//! Ctrl-C and SIGTERM: the first asks for a checkpoint and an end, the second ends at once.
+//! Ctrl-C, SIGTERM and SIGHUP: the first asks for a checkpoint and an end, the second ends at once.
 
 use crate::render::{Report, Reports};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator;
 use signal_hook::low_level::exit;
 use std::io;
@@ -30,6 +30,9 @@ impl Signals {
     fn listen() -> io::Result<Self> {
         let caught = Arc::new(AtomicU8::new(0));
         let mut incoming = iterator::Signals::new([SIGINT, SIGTERM])?;
+        if hears_hangup() {
+            incoming.add_signal(SIGHUP)?;
+        }
         let told = Arc::clone(&caught);
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
             let mut first: Option<Instant> = None;
@@ -53,7 +56,35 @@ impl Signals {
     }
 }
 
+/// Whether a terminal that closes may end the run. Who starts it with `nohup` wants it to go on, and catching the signal
+/// would undo that; where it cannot be known (without `/proc`), the signal keeps its meaning.
+fn hears_hangup() -> bool {
+    std::fs::read_to_string("/proc/self/status").is_ok_and(|status| !ignores_hangup(&status))
+}
+
+/// Whether a process of this status ignores SIGHUP: one bit per signal, in hexadecimal digits.
+fn ignores_hangup(status: &str) -> bool {
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_none_or(|mask| mask >> (SIGHUP - 1) & 1 != 0)
+}
+
 /// What a signal is called.
 pub(crate) fn name(signal: u8) -> &'static str {
-    if i32::from(signal) == SIGINT { "Ctrl-C" } else { "SIGTERM" }
+    match i32::from(signal) {
+        SIGINT => "Ctrl-C",
+        SIGHUP => "SIGHUP",
+        _ => "SIGTERM",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nohup_is_seen() {
+        assert!(ignores_hangup("Name:\ttdem\nSigIgn:\t0000000000001001\n"));
+        assert!(!ignores_hangup("Name:\ttdem\nSigIgn:\t0000000000001000\n"));
+        assert!(ignores_hangup(""), "what is not known is left alone");
+    }
 }

@@ -6,8 +6,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Duration;
 use tdem_case::{Built, Loaded};
-use tdem_engine::Ledger;
-use tdem_results::{Progress, Schedule, info};
+use tdem_engine::{Ledger, Schedule};
+use tdem_results::{Progress, info};
 
 /// What a run is about to do.
 pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, machine: &Machine, out: &Path) -> String {

@@ -45,6 +45,8 @@ enum Device {
     Cpu,
     /// The cores of this machine, contacts one by one: the plain reference
     CpuScalar,
+    /// The cores of this machine, contacts eight at a time without the instructions that only some machines have
+    CpuPortable,
     /// All of them, and their results must be the same to the last bit
     All,
 }
@@ -54,6 +56,7 @@ impl Device {
         match self {
             Device::Auto | Device::Cpu => vec![Backend::CpuLanes],
             Device::CpuScalar => vec![Backend::CpuScalar],
+            Device::CpuPortable => vec![Backend::CpuPortable],
             Device::All => Backend::ALL.to_vec(),
         }
     }

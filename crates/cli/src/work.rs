@@ -1,6 +1,8 @@
 //! What `run` and `resume` have in common: a simulation advances into its directory, watched.
 
+use crate::cases;
 use crate::console::{data, say};
+use crate::machine::Machine;
 use crate::progress::Watch;
 use crate::render::{Report, Reports};
 use crate::signals::{self, Signals};
@@ -10,8 +12,9 @@ use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use tdem_engine::{Fault, Simulation, State};
-use tdem_results::{Error, Outcome, RunDirectory, RunError, Schedule, load_final_state, session};
+use tdem_case::Fields;
+use tdem_engine::{Fault, Schedule, Simulation, State};
+use tdem_results::{Error, Outcome, RunDirectory, RunError, load_final_state, session};
 
 #[derive(Args, Debug)]
 #[group(skip)]
@@ -25,16 +28,24 @@ pub(crate) struct Arguments {
     /// Say nothing but warnings and errors
     #[arg(long, short)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) machine: Machine,
+}
+
+impl Arguments {
+    /// When a run writes, and where it ends: at the end of the case unless told otherwise.
+    pub(crate) fn schedule(&self, of_case: Schedule) -> Schedule {
+        Schedule { steps: self.steps.unwrap_or(of_case.steps), ..of_case }
+    }
 }
 
 /// A run about to be carried on.
 #[derive(Debug)]
 pub(crate) struct Work<'a> {
     pub(crate) directory: RunDirectory,
-    pub(crate) schedule: Schedule,
-    /// Steps that the case asks for.
-    pub(crate) of_case: u64,
-    pub(crate) signals: Signals,
+    /// What the case asks for.
+    pub(crate) of_case: Schedule,
+    pub(crate) fields: Fields,
     pub(crate) arguments: &'a Arguments,
 }
 
@@ -44,8 +55,11 @@ impl Work<'_> {
         let first = simulation.step();
         let particles = simulation.particles();
         let dt = simulation.plan().dt;
-        let mut watch = Watch::new(&self.signals, self.arguments.quiet);
-        let outcome = session::run(simulation, &mut self.directory, &self.schedule, &mut watch);
+        let schedule = self.arguments.schedule(self.of_case);
+        let signals = Signals::catch()?;
+        self.directory.set_contents(cases::contents(self.fields));
+        let mut watch = Watch::new(&signals, self.arguments.quiet);
+        let outcome = session::run(simulation, &mut self.directory, &schedule, &mut watch);
         let took = began.elapsed();
         let last = watch.finish();
         let path = self.directory.path().to_owned();
@@ -62,10 +76,10 @@ impl Work<'_> {
                         took,
                         last: last.as_ref(),
                     }));
-                    if step < self.of_case {
+                    if step < self.of_case.steps {
                         say(format!(
                             "The case goes on to step {}: tdem resume {}",
-                            grouped(self.of_case),
+                            grouped(self.of_case.steps),
                             argument(&path)
                         ));
                     }
@@ -76,13 +90,13 @@ impl Work<'_> {
                 Ok(ExitCode::SUCCESS)
             }
             Outcome::Interrupted { step } => {
-                let signal = self.signals.caught().unwrap_or(0);
+                let signal = signals.caught().unwrap_or(0);
                 let steps = self.arguments.steps.map_or(String::new(), |steps| format!(" --steps {steps}"));
                 say(format!(
                     "Stopped by {} at step {} of {}, t = {} s; a checkpoint was written.\nGo on with: tdem resume {}{steps}",
                     signals::name(signal),
                     grouped(step),
-                    grouped(self.schedule.steps),
+                    grouped(schedule.steps),
                     short(step as f64 * dt),
                     argument(&path)
                 ));

@@ -66,24 +66,47 @@ fn a_damaged_checkpoint_is_passed_over() {
 mod unix {
     use super::*;
     use common::{eventually, signal};
+    use std::process::{Command, Stdio};
     use std::time::Duration;
 
     /// Long enough to be interrupted.
     const LONG: [&str; 2] = ["--set", "time.end=2.0"];
 
-    #[test]
-    fn sigterm_leaves_a_checkpoint_and_the_same_end() {
+    fn a_signal_leaves_a_checkpoint_and_the_same_end(name: &str, number: i32) {
         let room = Room::new();
         let expected = room.hash(&[&run("whole")[..], &LONG].concat());
         let process = room.start(&[&run("cut")[..], &LONG].concat());
         assert!(eventually(|| !room.checkpoints("cut").is_empty()));
-        // `timeout` and batch systems let one request arrive twice.
-        signal(&process, "TERM");
-        signal(&process, "TERM");
-        let said = Said::of(&process.wait_with_output().unwrap()).exits(128 + 15);
-        let said = said.complains(&["SIGTERM", "a checkpoint was written", "tdem resume cut"]);
+        // `timeout`, shells and batch systems let one request arrive twice.
+        signal(&process, name);
+        signal(&process, name);
+        let said = Said::of(&process.wait_with_output().unwrap()).exits(128 + number);
+        let said = said.complains(&[&format!("SIG{name}"), "a checkpoint was written", "tdem resume cut"]);
         assert_eq!(said.out, "");
         assert_eq!(room.hash(&["resume", "cut", "--hash"]), expected);
+    }
+
+    #[test]
+    fn sigterm_leaves_a_checkpoint_and_the_same_end() {
+        a_signal_leaves_a_checkpoint_and_the_same_end("TERM", 15);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_terminal_that_closes_leaves_a_checkpoint_and_the_same_end() {
+        a_signal_leaves_a_checkpoint_and_the_same_end("HUP", 1);
+    }
+
+    #[test]
+    fn a_run_under_nohup_goes_on_when_its_terminal_closes() {
+        let room = Room::new();
+        let plain = room.command(&[&run("kept")[..], &LONG].concat());
+        let mut command = Command::new("nohup");
+        command.arg(plain.get_program()).args(plain.get_args()).current_dir(room.path(""));
+        let process = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        assert!(eventually(|| !room.checkpoints("kept").is_empty()));
+        signal(&process, "HUP");
+        Said::of(&process.wait_with_output().unwrap()).exits(0).complains(&["Finished"]);
     }
 
     #[test]

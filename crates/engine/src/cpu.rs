@@ -31,12 +31,28 @@ use std::sync::Arc;
 pub struct Options {
     /// Threads; `None` takes all cores.
     pub threads: Option<usize>,
-    /// Contacts eight at a time instead of one by one.
-    pub lanes: bool,
+    /// Contacts at a time.
+    pub width: Width,
     /// Each pair once, or from both sides.
     pub list: List,
     /// Width of a search cell relative to the reach of a contact, at least 1.
     pub cell_factor: f64,
+}
+
+/// How many contacts are evaluated at a time, and with which instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Width {
+    /// One by one. The plain reference.
+    One,
+    /// Eight, with the instructions of any machine of this kind.
+    Portable,
+    /// Eight, with the widest instructions that this machine has.
+    Widest,
+}
+
+impl Width {
+    /// All of them.
+    pub const ALL: [Width; 3] = [Width::One, Width::Portable, Width::Widest];
 }
 
 /// Whether a pair is listed once or twice.
@@ -50,7 +66,7 @@ pub enum List {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { threads: None, lanes: true, list: List::Half, cell_factor: 1.0 }
+        Options { threads: None, width: Width::Widest, list: List::Half, cell_factor: 1.0 }
     }
 }
 

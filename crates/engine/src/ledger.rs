@@ -1,10 +1,9 @@
 //! Where the energy is, where it went, and whether the sum closes.
 
-use crate::{Plan, State};
+use crate::{Contact, Plan, State, WallContact};
 use rayon::prelude::*;
-use tdem_physics::contact::{Encounter, Sphere, Touch, respond, stored_energy, touch_spheres, touch_wall};
+use tdem_physics::Vec3;
 use tdem_physics::motion::sphere_inertia;
-use tdem_physics::{Vec3, vec3};
 
 /// Energies and measures of one instant, as a row of `history.csv` shows them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,10 +92,10 @@ impl Ledger {
                 force.dot(force).sqrt(),
             ]
         });
-        let pairs = Pairs { state, plan };
-        let [pair_normal, pair_tangential, pair_force] = sum(state.contacts.len(), |k| pairs.of_particles(k));
+        let [pair_normal, pair_tangential, pair_force] =
+            sum(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k]));
         let [wall_normal, wall_tangential, wall_size, fx, fy, fz] =
-            sum(state.wall_contacts.len(), |k| pairs.of_wall(k));
+            sum(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
         let [friction, damping, stiffening, external] = sum(state.accounts.len(), |i| state.accounts[i]);
 
         let contacts = state.contacts.len() + state.wall_contacts.len();
@@ -119,7 +118,9 @@ impl Ledger {
                 let velocity: Vec3<f64> = state.velocity[i].into();
                 velocity.dot(velocity).sqrt()
             }),
-            largest_overlap: largest(state.contacts.len(), |k| pairs.overlap_ratio(k)),
+            largest_overlap: largest(state.contacts.len(), |k| {
+                state.overlap_ratio(plan, &state.contacts[k]).unwrap_or(0.0)
+            }),
             unbalanced_force_ratio: if mean_contact > 0.0 { mean_resultant / mean_contact } else { 0.0 },
             wall_force: [fx, fy, fz],
         };
@@ -146,71 +147,18 @@ impl Ledger {
     }
 }
 
-/// The contacts of a state, looked at once more.
-struct Pairs<'a> {
-    state: &'a State,
-    plan: &'a Plan,
+/// Normal and tangential energy and size of the force of a pair.
+fn of_pair(state: &State, plan: &Plan, contact: &Contact) -> [f64; 3] {
+    state.evaluate(plan, contact).map_or([0.0; 3], |found| {
+        let [normal, tangential] = found.stored_energy();
+        [normal, tangential, found.force.dot(found.force).sqrt()]
+    })
 }
 
-impl Pairs<'_> {
-    fn sphere(&self, index: usize) -> Sphere<f64> {
-        Sphere {
-            position: self.state.position[index].into(),
-            radius: self.state.radius[index],
-            velocity: self.state.velocity[index].into(),
-            mass: self.state.mass[index],
-            angular_velocity: self.state.angular_velocity[index].into(),
-        }
-    }
-    /// Indices of a pair. An id that is missing cannot occur in a validated state; it then counts as the first.
-    fn indices(&self, contact: usize) -> (usize, usize) {
-        let contact = self.state.contacts[contact];
-        let index = |id| self.state.index_of(id).unwrap_or(0);
-        (index(contact.first), index(contact.second))
-    }
-    fn touch(&self, first: usize, second: usize) -> Touch<f64> {
-        let position = |index: usize| -> Vec3<f64> { self.state.position[index].into() };
-        let offset = self.plan.domain.period().nearest(position(second) - position(first));
-        touch_spheres(offset, self.state.radius[first] + self.state.radius[second])
-    }
-    fn overlap_ratio(&self, contact: usize) -> f64 {
-        let (first, second) = self.indices(contact);
-        2.0 * self.touch(first, second).overlap / (self.state.radius[first] + self.state.radius[second])
-    }
-    /// Normal and tangential energy, size of the force.
-    fn of_particles(&self, contact: usize) -> [f64; 3] {
-        let (first, second) = self.indices(contact);
-        let touch = self.touch(first, second);
-        if touch.overlap <= 0.0 {
-            // Gear's corrector moves particles after forces were computed, and may part them.
-            return [0.0; 3];
-        }
-        let (a, b) = (self.sphere(first), self.sphere(second));
-        let encounter = Encounter::of_spheres(&a, &b, &touch, self.plan.law.moments);
-        let interaction = self.plan.interaction(self.state.material[first], self.state.material[second]);
-        let displacement = self.state.contacts[contact].displacement.into();
-        let (normal, tangential) = stored_energy(encounter.radius_eff, touch.overlap, displacement, interaction);
-        let force = respond(self.plan.law, &encounter, displacement, interaction, 0.0).force;
-        [normal, tangential, force.dot(force).sqrt()]
-    }
-    /// Normal and tangential energy, size of the force, force on the wall.
-    fn of_wall(&self, contact: usize) -> [f64; 6] {
-        let contact = self.state.wall_contacts[contact];
-        let index = self.state.index_of(contact.particle).unwrap_or(0);
-        let wall = &self.plan.walls[contact.wall as usize];
-        let sphere = self.sphere(index);
-        let normal: Vec3<f64> = wall.normal.into();
-        let point = self.state.wall_position[contact.wall as usize].into();
-        let touch = touch_wall(sphere.position, sphere.radius, point, normal);
-        if touch.overlap <= 0.0 {
-            return [0.0; 6];
-        }
-        let encounter = Encounter::with_wall(&sphere, &touch, normal, wall.velocity.into(), self.plan.law.moments);
-        let interaction = self.plan.interaction(self.state.material[index], wall.material);
-        let displacement = contact.displacement.into();
-        let (stored, sheared) = stored_energy(encounter.radius_eff, touch.overlap, displacement, interaction);
-        let force = respond(self.plan.law, &encounter, displacement, interaction, 0.0).force;
-        let on_wall = vec3(-force.x, -force.y, -force.z);
-        [stored, sheared, force.dot(force).sqrt(), on_wall.x, on_wall.y, on_wall.z]
-    }
+/// The same of a particle at a wall, and the force on the wall.
+fn at_wall(state: &State, plan: &Plan, contact: &WallContact) -> [f64; 6] {
+    state.evaluate_at_wall(plan, contact).map_or([0.0; 6], |found| {
+        let ([normal, tangential], force) = (found.stored_energy(), found.force);
+        [normal, tangential, force.dot(force).sqrt(), -force.x, -force.y, -force.z]
+    })
 }

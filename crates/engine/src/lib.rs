@@ -4,6 +4,7 @@
 //! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
 //! * [`Simulation`] a state advanced by a back end under a plan
 //! * [`Ledger`] where the energy is and where it went
+//! * [`Schedule`] when a run ends and when its state is wanted
 //!
 //! The engine does no input or output. One step is `step.rs`; its stages have the same names as the files of the
 //! back ends, [`cpu`] and [`gpu`].
@@ -11,19 +12,23 @@
 mod capture;
 pub mod cpu;
 mod device;
+mod evaluate;
 mod fault;
 pub mod gpu;
 mod ledger;
 mod plan;
+mod schedule;
 mod simulation;
 mod state;
 mod step;
 
 pub use capture::Capture;
 pub use device::Device;
+pub use evaluate::Evaluated;
 pub use fault::Fault;
 pub use ledger::Ledger;
 pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};
+pub use schedule::Schedule;
 pub use simulation::Simulation;
 pub use state::{Contact, State, WallContact, energy_accounts};
 pub use tdem_physics as physics;

@@ -2,34 +2,12 @@
 
 mod common;
 
-use common::{cloud, plan, wall, with_restitution};
-use tdem_engine::cpu::{List, Options};
+use common::scene;
+use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
 use tdem_engine::{Integrator, Plan, Simulation, State};
 
 const STEPS: u64 = 600;
-
-/// A cloud that collides and falls in a box which repeats in x and has walls below, above and at the sides.
-fn scene(law: Law, integrator: Integrator, radius_ratio: f64) -> (State, Plan) {
-    let (per_side, spacing) = (9, 0.02);
-    let length = per_side as f64 * spacing;
-    let mut plan = plan(law, [0.0, -0.01, -0.01], [length, length + 0.01, length + 0.01], [true, false, false]);
-    plan.integrator = integrator;
-    if law.damping == Damping::Restitution {
-        plan.interactions[0] = with_restitution(0.6, plan.interactions[0]);
-    }
-    plan.gravity = [5.0, 0.0, -300.0];
-    plan.search.skin = 2e-3;
-    let mut state = cloud(per_side, spacing, radius_ratio);
-    plan.walls = vec![
-        wall("floor", [0.0, 0.0, 1.0], [0.0, 0.0, 0.3]),
-        wall("left", [0.0, 1.0, 0.0], [0.0; 3]),
-        wall("right", [0.0, -1.0, 0.0], [0.1, 0.0, 0.0]),
-        wall("lid", [0.0, 0.0, -1.0], [0.0, 0.0, -0.5]),
-    ];
-    state.wall_position = vec![[0.0; 3], [0.0; 3], [0.0, length, 0.0], [0.0, 0.0, length]];
-    (state, plan)
-}
 
 fn run(state: &State, plan: &Plan, options: &Options, steps: u64) -> State {
     let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
@@ -44,22 +22,20 @@ fn laws() -> Vec<Law> {
 }
 
 #[test]
-fn same_bits_for_threads_lanes_lists_cells_and_skins() {
+fn same_bits_for_threads_widths_lists_cells_and_skins() {
     for law in laws() {
         let (state, plan) = scene(law, Integrator::VelocityVerlet, 3.0);
-        let reference = Options { threads: Some(1), lanes: false, list: List::Full, cell_factor: 1.0 };
+        let reference = Options { threads: Some(1), width: Width::One, list: List::Full, cell_factor: 1.0 };
         let expected = run(&state, &plan, &reference, STEPS);
         let (pairs, walls) = (expected.contacts.len(), expected.wall_contacts.len());
         assert!(pairs > 100 && walls > 10, "the scene must be busy: {pairs} pairs, {walls} at walls");
         let variants = [
-            Options { lanes: true, ..reference },
+            reference,
             Options { list: List::Half, ..reference },
-            Options { lanes: true, list: List::Half, threads: Some(1), cell_factor: 1.0 },
-            Options { lanes: true, list: List::Half, threads: Some(2), cell_factor: 1.7 },
-            Options { lanes: true, list: List::Half, threads: Some(7), cell_factor: 3.0 },
-            Options { lanes: false, list: List::Half, threads: Some(7), cell_factor: 1.0 },
+            Options { list: List::Half, threads: Some(2), cell_factor: 1.7, ..reference },
+            Options { list: List::Half, threads: Some(7), cell_factor: 3.0, ..reference },
         ];
-        for options in variants {
+        for options in variants.iter().flat_map(|&options| Width::ALL.map(|width| Options { width, ..options })) {
             assert_eq!(run(&state, &plan, &options, STEPS).hash(), expected.hash(), "{law:?} {options:?}");
         }
         for (skin, every_step) in [(0.0, true), (5e-4, false), (6e-3, false)] {
@@ -78,16 +54,21 @@ fn same_bits_when_resumed_at_any_step() {
         let (state, plan) = scene(Law::GNTM, integrator, 2.0);
         let expected = run(&state, &plan, &Options::default(), STEPS);
         for at in [1, 137, 400] {
-            let half_way = run_short(&state, &plan, at);
-            let resumed = run_short(&half_way, &plan, STEPS - at);
-            assert_eq!(resumed.hash(), expected.hash(), "{integrator:?} resumed at {at}");
-            assert_eq!(resumed, expected, "a hash that matches must mean a state that matches");
+            for (width, then) in
+                [(Width::One, Width::Portable), (Width::Portable, Width::Widest), (Width::Widest, Width::One)]
+            {
+                let half_way = run_short(&state, &plan, width, at);
+                let resumed = run_short(&half_way, &plan, then, STEPS - at);
+                assert_eq!(resumed.hash(), expected.hash(), "{integrator:?} {width:?} resumed at {at} as {then:?}");
+                assert_eq!(resumed, expected, "a hash that matches must mean a state that matches");
+            }
         }
     }
 }
 
-fn run_short(state: &State, plan: &Plan, steps: u64) -> State {
-    let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).expect("the scene is sound");
+fn run_short(state: &State, plan: &Plan, width: Width, steps: u64) -> State {
+    let options = Options { width, ..Options::default() };
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), &options).expect("the scene is sound");
     simulation.advance(steps).expect("the scene runs through");
     simulation.state().expect("a state can be taken")
 }
@@ -112,9 +93,14 @@ fn same_bits_when_particles_are_given_in_another_order() {
         (wall.normal, wall.velocity) = (mirror(wall.normal), mirror(wall.velocity));
     }
     let straight = run(&state, &plan, &Options::default(), STEPS);
-    let reflected = run(&mirrored, &other, &Options::default(), STEPS);
-    for i in 0..straight.len() {
-        assert_eq!(straight.position[i], mirror(reflected.position[i]), "particle {i}");
-        assert_eq!(straight.angular_velocity[i], reflected.angular_velocity[i], "spin is an axial vector");
+    for width in Width::ALL {
+        let reflected = run(&mirrored, &other, &Options { width, ..Options::default() }, STEPS);
+        for i in 0..straight.len() {
+            assert_eq!(straight.position[i], mirror(reflected.position[i]), "particle {i}, {width:?}");
+            assert_eq!(
+                straight.angular_velocity[i], reflected.angular_velocity[i],
+                "spin is an axial vector, {width:?}"
+            );
+        }
     }
 }

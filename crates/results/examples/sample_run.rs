@@ -6,9 +6,9 @@ mod common;
 
 use std::error::Error;
 use std::path::Path;
-use tdem_engine::{Plan, Simulation, cpu};
+use tdem_engine::{Plan, Schedule, Simulation, cpu};
 use tdem_results::picture::{self, Colour, Options, Subject};
-use tdem_results::{RunDirectory, Schedule, load_final_state, pack, session};
+use tdem_results::{RunDirectory, load_final_state, pack, session};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1);

@@ -56,13 +56,6 @@ impl Scene<'_> {
         }
         blocks
     }
-
-    /// Index of a particle that a contact names.
-    fn index_of(&self, id: u32) -> Option<usize> {
-        // As long as nothing was removed, ids are indices.
-        let guess = id as usize;
-        if self.state.id.get(guess) == Some(&id) { Some(guess) } else { self.state.index_of(id) }
-    }
 }
 
 impl Precision {

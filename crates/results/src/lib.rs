@@ -31,5 +31,5 @@ pub use history::Row;
 pub use info::{CheckpointInfo, FinalState, FrameInfo, Info, info, load_final_state};
 pub use pack::pack;
 pub use run_directory::{Resumed, RunDirectory};
-pub use session::{Control, Note, Observer, Outcome, Progress, RunError, Schedule};
+pub use session::{Control, Note, Observer, Outcome, Progress, RunError};
 pub use vtkhdf::FormatError;

@@ -9,7 +9,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
-use tdem_results::{Error, RunDirectory, Schedule};
+use tdem_engine::Schedule;
+use tdem_results::{Error, RunDirectory};
 
 const CHILD: &str = "TDEM_TEST_RUN";
 const STEPS: u64 = 100_000;

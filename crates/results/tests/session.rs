@@ -7,8 +7,9 @@ mod common;
 use common::{Watcher, assert_same_results, results, run_new, run_on, schedule, simulation, state};
 use std::fs;
 use std::time::Duration;
+use tdem_engine::Schedule;
 use tdem_results::session::run;
-use tdem_results::{Control, Note, Observer, Outcome, Progress, RunDirectory, RunError, Schedule, load_final_state};
+use tdem_results::{Control, Note, Observer, Outcome, Progress, RunDirectory, RunError, load_final_state};
 
 #[test]
 fn a_run_leaves_frames_rows_and_checkpoints_on_schedule() {

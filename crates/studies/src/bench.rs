@@ -192,13 +192,14 @@ fn agitation(particle: usize) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tdem_engine::cpu::Options;
+    use tdem_engine::cpu::{Options, Width};
 
     #[test]
     fn the_block_touches_everywhere_and_its_result_does_not_depend_on_threads() {
         let block = ContactBlock { cells: [6, 6, 6], steps: 20, repeats: 1, ..ContactBlock::default() };
         let one = contact(&block, &Options { threads: Some(1), ..Options::default() }.into()).unwrap();
-        let three = contact(&block, &Options { threads: Some(3), lanes: false, ..Options::default() }.into()).unwrap();
+        let three =
+            contact(&block, &Options { threads: Some(3), width: Width::One, ..Options::default() }.into()).unwrap();
         assert_eq!(one.particles, 864);
         assert!(one.contacts_per_particle > 9.0, "{one:?}");
         assert_eq!(one.hash, three.hash);

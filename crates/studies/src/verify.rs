@@ -151,19 +151,22 @@ impl Outcome {
 pub enum Backend {
     /// The CPU, contacts one by one, each pair from both sides: the plain reference.
     CpuScalar,
+    /// As `CpuLanes`, with the instructions of any machine of this kind.
+    CpuPortable,
     /// The CPU, contacts eight at a time, each pair once.
     CpuLanes,
 }
 
 impl Backend {
     /// All back ends.
-    pub const ALL: [Backend; 2] = [Backend::CpuScalar, Backend::CpuLanes];
+    pub const ALL: [Backend; 3] = [Backend::CpuScalar, Backend::CpuPortable, Backend::CpuLanes];
 
     /// Its name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Backend::CpuScalar => "cpu",
+            Backend::CpuPortable => "cpu with portable lanes",
             Backend::CpuLanes => "cpu with lanes",
         }
     }

@@ -14,11 +14,11 @@ use crate::limits::{Found, StepLimits};
 use crate::load::Loaded;
 use crate::materials::{Materials, law};
 use crate::problem::{Problem, Problems, unless_error};
-use crate::schedule::Schedule;
+use crate::schedule::{Fields, schedule};
 use crate::schema::{self, Particles, Region};
 use crate::walls::{Plane, planes};
 use draft::{Draft, Spheres};
-use tdem_engine::{Domain, Integrator, Plan, Search, State};
+use tdem_engine::{Domain, Integrator, Plan, Schedule, Search, State};
 
 /// A case ready to run.
 #[derive(Clone, Debug)]
@@ -29,6 +29,8 @@ pub struct Built {
     pub plan: Plan,
     /// How long it runs and when it writes.
     pub schedule: Schedule,
+    /// What frames hold.
+    pub fields: Fields,
     /// What limits the time step.
     pub limits: StepLimits,
     /// What does not stop the run but should be known.
@@ -110,10 +112,10 @@ impl Loaded {
         }
         let plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
         let state = draft.finish(&context, &plan);
-        let schedule = Schedule::of(case, plan.dt);
+        let schedule = schedule(case, plan.dt);
         let memory = Memory::of(&state, &plan);
         let ((), warnings) = unless_error(&self.source, problems, ())?;
-        Ok(Built { state, plan, schedule, limits, warnings, memory })
+        Ok(Built { state, plan, schedule, fields: Fields::of(&case.output), limits, warnings, memory })
     }
 }
 

@@ -10,16 +10,15 @@ pub(super) use eight::rows_eight;
 use super::bodies::{Bodies, Quad, sphere};
 use super::neighbours::reaction_stride;
 use super::pieces::split;
-use super::wide::rows_widest;
-use super::{CHUNK, Cpu};
+use super::wide::{rows_portable, rows_widest};
+use super::{CHUNK, Cpu, Width};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Damping, Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, released_energy, respond,
-    touch_spheres,
+    Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, released_energy, respond, touch_spheres,
 };
 
 /// What a contact loop reads.
@@ -34,7 +33,7 @@ pub(super) struct Scene<'a> {
     material: &'a [u16],
     interactions: &'a [Interaction<f64>],
     materials: usize,
-    damping: Damping,
+    law: Law,
     period: Option<Period<f64>>,
     step: f64,
     overlap_limit: f64,
@@ -71,19 +70,16 @@ struct Lost {
     released: f64,
 }
 
-/// The axes of a law that decide what is read and written, known when a loop is compiled.
+/// What decides which numbers are read and written, known when a loop is compiled. The rest of a [`Law`] is looked up
+/// while a loop runs, which costs nothing that can be measured.
 pub(super) trait Variant {
-    const FRICTION: Friction;
+    const FRICTION: bool;
     const MOMENTS: bool;
     const LEDGER: bool;
 }
-pub(super) struct Compiled<const FRICTION: u8, const MOMENTS: bool, const LEDGER: bool>;
-impl<const F: u8, const MOMENTS: bool, const LEDGER: bool> Variant for Compiled<F, MOMENTS, LEDGER> {
-    const FRICTION: Friction = match F {
-        0 => Friction::Off,
-        1 => Friction::Displacement,
-        _ => Friction::Rescaled,
-    };
+pub(super) struct Compiled<const FRICTION: bool, const MOMENTS: bool, const LEDGER: bool>;
+impl<const FRICTION: bool, const MOMENTS: bool, const LEDGER: bool> Variant for Compiled<FRICTION, MOMENTS, LEDGER> {
+    const FRICTION: bool = FRICTION;
     const MOMENTS: bool = MOMENTS;
     const LEDGER: bool = LEDGER;
 }
@@ -93,23 +89,23 @@ pub(super) type Crushed = Option<(u32, u32)>;
 type Loop = fn(&Scene<'_>, &mut Rows<'_>) -> Crushed;
 
 /// The loop compiled for a law.
-fn choose(law: Law, ledger: bool, lanes: bool) -> Loop {
+fn choose(law: Law, ledger: bool, width: Width) -> Loop {
     macro_rules! compiled {
         ($f:literal, $m:literal) => {
-            match (lanes, ledger) {
-                (false, false) => rows_scalar::<Compiled<$f, $m, false>>,
-                (false, true) => rows_scalar::<Compiled<$f, $m, true>>,
-                (true, false) => rows_widest::<Compiled<$f, $m, false>>,
-                (true, true) => rows_widest::<Compiled<$f, $m, true>>,
+            match (width, ledger) {
+                (Width::One, false) => rows_scalar::<Compiled<$f, $m, false>>,
+                (Width::One, true) => rows_scalar::<Compiled<$f, $m, true>>,
+                (Width::Portable, false) => rows_portable::<Compiled<$f, $m, false>>,
+                (Width::Portable, true) => rows_portable::<Compiled<$f, $m, true>>,
+                (Width::Widest, false) => rows_widest::<Compiled<$f, $m, false>>,
+                (Width::Widest, true) => rows_widest::<Compiled<$f, $m, true>>,
             }
         };
     }
     match (law.friction, law.moments) {
-        (Friction::Off, _) => compiled!(0, false),
-        (Friction::Displacement, false) => compiled!(1, false),
-        (Friction::Displacement, true) => compiled!(1, true),
-        (Friction::Rescaled, false) => compiled!(2, false),
-        (Friction::Rescaled, true) => compiled!(2, true),
+        (Friction::Off, _) => compiled!(false, false),
+        (_, false) => compiled!(true, false),
+        (_, true) => compiled!(true, true),
     }
 }
 
@@ -127,12 +123,12 @@ impl Cpu {
             material,
             interactions: &self.plan.interactions,
             materials: self.plan.materials,
-            damping: self.plan.law.damping,
+            law: self.plan.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
             overlap_limit: 0.5 * self.plan.overlap_limit,
         };
-        let evaluate = choose(self.plan.law, self.plan.ledger, self.options.lanes);
+        let evaluate = choose(self.plan.law, self.plan.ledger, self.options.width);
         let list = &mut self.neighbours;
         let n = rank.len();
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
@@ -187,7 +183,13 @@ impl Cpu {
 
 impl Scene<'_> {
     fn law<V: Variant>(&self) -> Law {
-        Law { damping: self.damping, friction: V::FRICTION, moments: V::MOMENTS }
+        // Written so that the compiler sees which values are left.
+        let friction = match (V::FRICTION, self.law.friction) {
+            (false, _) => Friction::Off,
+            (true, Friction::Rescaled) => Friction::Rescaled,
+            (true, _) => Friction::Displacement,
+        };
+        Law { friction, moments: V::MOMENTS, ..self.law }
     }
     fn interaction(&self, i: usize, j: usize) -> &Interaction<f64> {
         &self.interactions[usize::from(self.material[i]) * self.materials + usize::from(self.material[j])]
@@ -250,7 +252,7 @@ impl Rows<'_> {
     /// Forgets what a pair remembered when it parts.
     #[cold]
     fn part<V: Variant>(&mut self, scene: &Scene<'_>, i: usize, j: usize, pair: usize) {
-        if V::FRICTION == Friction::Off {
+        if !V::FRICTION {
             return;
         }
         if V::LEDGER && scene.rank[i] < scene.rank[j] {
@@ -305,7 +307,7 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 let arms = [a.radius, b.radius].map(|radius| lever_arm(radius, touch.overlap));
                 let moments = arms.map(|arm| Quad::new((response.moment_per_arm * arm).into(), 0.0).0);
                 rows.keep::<V>(i, pair, Quad::new(response.force.into(), 0.0).0, moments);
-                if V::FRICTION != Friction::Off {
+                if V::FRICTION {
                     rows.displacement[pair] = response.displacement.into();
                 }
                 rows.book::<V>(scene, i, j, &response.losses);

@@ -81,6 +81,12 @@ pub(super) fn prefetch<T>(field: &[T], index: usize) {
     let _ = (field, index);
 }
 
+/// The contact loop for eight pairs on any machine. Not inlined: it would be compiled once more into [`rows_widest`].
+#[inline(never)]
+pub(super) fn rows_portable<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+    rows_eight::<V, Lanes>(scene, rows)
+}
+
 /// The contact loop for the widest registers of this machine.
 pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     #[cfg(target_arch = "x86_64")]
@@ -97,7 +103,7 @@ pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) ->
             return unsafe { x86::rows_avx2::<V>(scene, rows) };
         }
     }
-    rows_eight::<V, Lanes>(scene, rows)
+    rows_portable::<V>(scene, rows)
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -5,8 +5,7 @@ use crate::glossary::{CONTACTS, Place};
 use crate::vtkhdf::block::{Block, Cells};
 use rayon::prelude::*;
 use tdem_engine::physics::Vec3;
-use tdem_engine::physics::contact::{Encounter, Sphere, respond, touch_spheres, touch_wall};
-use tdem_engine::{Contact, WallContact};
+use tdem_engine::{Contact, Evaluated, WallContact};
 
 /// A contact of one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +31,22 @@ pub(crate) struct WallSum {
     pub(crate) touching: i64,
 }
 
+impl Pair {
+    fn new((first, second, wall): (i64, i64, i64), found: &Evaluated<'_>) -> Self {
+        let from = found.first.position;
+        Pair {
+            first,
+            second,
+            wall,
+            ends: [array(from), array(from + found.touch.offset)],
+            overlap: found.touch.overlap,
+            normal_force: -found.force.dot(found.encounter.normal),
+            force: array(found.force),
+            displacement: array(found.displacement),
+        }
+    }
+}
+
 impl Scene<'_> {
     pub(super) fn contacts(&self, precision: Precision) -> Block {
         let mut pairs = self.pairs();
@@ -48,63 +63,20 @@ impl Scene<'_> {
         }
     }
 
-    fn sphere(&self, index: usize) -> Sphere<f64> {
-        Sphere {
-            position: self.state.position[index].into(),
-            radius: self.state.radius[index],
-            velocity: self.state.velocity[index].into(),
-            mass: self.state.mass[index],
-            angular_velocity: self.state.angular_velocity[index].into(),
-        }
-    }
-
     fn pairs(&self) -> Vec<Pair> {
-        self.state.contacts.par_iter().filter_map(|contact| self.pair(contact)).collect()
-    }
-
-    fn pair(&self, contact: &Contact) -> Option<Pair> {
-        let (first, second) = (self.index_of(contact.first)?, self.index_of(contact.second)?);
-        let (a, b) = (self.sphere(first), self.sphere(second));
-        let touch = touch_spheres(self.plan.domain.period().nearest(b.position - a.position), a.radius + b.radius);
-        let encounter = Encounter::of_spheres(&a, &b, &touch, self.plan.law.moments);
-        let interaction = self.plan.interaction(self.state.material[first], self.state.material[second]);
-        // A step of zero length: the force as it is, without moving the history.
-        let force = respond(self.plan.law, &encounter, contact.displacement.into(), interaction, 0.0).force;
-        Some(Pair {
-            first: contact.first.into(),
-            second: contact.second.into(),
-            wall: -1,
-            ends: [array(a.position), array(a.position + touch.offset)],
-            overlap: touch.overlap,
-            normal_force: -force.dot(encounter.normal),
-            force: array(force),
-            displacement: contact.displacement,
-        })
+        let pair = |contact: &Contact| {
+            let ends = (contact.first.into(), contact.second.into(), -1);
+            Some(Pair::new(ends, &self.state.evaluate(self.plan, contact)?))
+        };
+        self.state.contacts.par_iter().filter_map(pair).collect()
     }
 
     pub(super) fn wall_pairs(&self) -> Vec<Pair> {
-        self.state.wall_contacts.iter().filter_map(|contact| self.wall_pair(contact)).collect()
-    }
-
-    fn wall_pair(&self, contact: &WallContact) -> Option<Pair> {
-        let index = self.index_of(contact.particle)?;
-        let wall = self.plan.walls.get(contact.wall as usize)?;
-        let point = *self.state.wall_position.get(contact.wall as usize)?;
-        let (sphere, normal) = (self.sphere(index), Vec3::from(wall.normal));
-        let touch = touch_wall(sphere.position, sphere.radius, point.into(), normal);
-        let encounter = Encounter::with_wall(&sphere, &touch, normal, wall.velocity.into(), self.plan.law.moments);
-        let interaction = self.plan.interaction(self.state.material[index], wall.material);
-        let force = respond(self.plan.law, &encounter, contact.displacement.into(), interaction, 0.0).force;
-        Some(Pair {
-            first: contact.particle.into(),
-            second: -1,
-            wall: contact.wall.into(),
-            ends: [array(sphere.position), array(sphere.position + touch.offset)],
-            overlap: touch.overlap,
-            normal_force: -force.dot(encounter.normal),
-            force: array(force),
-            displacement: contact.displacement,
-        })
+        let pair = |contact: &WallContact| {
+            let ends = (contact.particle.into(), -1, contact.wall.into());
+            Some(Pair::new(ends, &self.state.evaluate_at_wall(self.plan, contact)?))
+        };
+        self.state.wall_contacts.iter().filter_map(pair).collect()
     }
 
     pub(super) fn wall_sums(&self) -> Vec<WallSum> {

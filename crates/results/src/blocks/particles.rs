@@ -55,7 +55,7 @@ impl Scene<'_> {
     pub(crate) fn coordination_number(&self) -> Vec<i64> {
         let mut number = vec![0; self.state.len()];
         for id in self.state.contacts.iter().flat_map(|contact| [contact.first, contact.second]) {
-            if let Some(index) = self.index_of(id) {
+            if let Some(index) = self.state.index_of(id) {
                 number[index] += 1;
             }
         }

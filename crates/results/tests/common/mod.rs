@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use tdem_engine::physics::contact::{Friction, Interaction, Law};
-use tdem_engine::{Constraint, Domain, Integrator, Plan, Search, Simulation, State, Wall, cpu};
-use tdem_results::{Control, Note, Observer, Progress, RunDirectory, Schedule};
+use tdem_engine::{Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu};
+use tdem_results::{Control, Note, Observer, Progress, RunDirectory};
 
 pub(crate) const RADIUS: f64 = 0.05;
 

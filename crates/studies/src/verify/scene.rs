@@ -1,7 +1,7 @@
 //! What the cases share: materials, scenes, and the bench that judges.
 
 use super::{Backend, Check, Kind, Tolerance};
-use tdem_engine::cpu::{List, Options};
+use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::physics::contact::damping::restitution_factor;
 use tdem_engine::physics::contact::{Interaction, Law};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
@@ -246,11 +246,12 @@ impl Bench {
     pub(super) fn start_on(&self, scene: &Scene, threads: usize) -> Result<Simulation, Fault> {
         let mut plan = scene.plan.clone();
         (self.alter)(&mut plan);
-        let (lanes, list) = match self.backend {
-            Backend::CpuScalar => (false, List::Full),
-            Backend::CpuLanes => (true, List::Half),
+        let (width, list) = match self.backend {
+            Backend::CpuScalar => (Width::One, List::Full),
+            Backend::CpuPortable => (Width::Portable, List::Half),
+            Backend::CpuLanes => (Width::Widest, List::Half),
         };
-        Simulation::new(scene.state.clone(), plan, &Options { threads: Some(threads), lanes, list, cell_factor: 1.0 })
+        Simulation::new(scene.state.clone(), plan, &Options { threads: Some(threads), width, list, cell_factor: 1.0 })
     }
     /// The state after a number of steps.
     pub(super) fn after(&mut self, scene: &Scene, steps: u64) -> Result<State, Fault> {

@@ -4,7 +4,7 @@ use super::{Crushed, Rows, Scene, Variant, worse};
 use crate::cpu::wide::{Eight, prefetch};
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Encounter, Friction, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, respond, touch_spheres,
+    Encounter, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, respond, touch_spheres,
 };
 use tdem_physics::real::WIDTH;
 use tdem_physics::{Vec3, vec3};
@@ -174,8 +174,7 @@ impl<R: Eight> Eights<R> {
             let first = load_kicks::<V, R>(scene, &group.i, arms[0]);
             encounter = encounter.settled([first, load_kicks::<V, R>(scene, &group.j, arms[1])]);
         }
-        let displacement =
-            if V::FRICTION == Friction::Off { Vec3::zero() } else { R::load_triples(rows.displacement, &group.slot) };
+        let displacement = if V::FRICTION { R::load_triples(rows.displacement, &group.slot) } else { Vec3::zero() };
         let interaction = match self.alone {
             Some(interaction) => interaction,
             None => gather_interactions(scene, &group.i, &group.j),
@@ -205,7 +204,7 @@ fn keep_eight<V: Variant, R: Eight>(
         }
         let pair = group.slot[l] as usize;
         rows.keep::<V>(group.i[l] as usize, pair, force[l], [moments[0][l], moments[1][l]]);
-        if V::FRICTION != Friction::Off {
+        if V::FRICTION {
             rows.displacement[pair].copy_from_slice(&displacement[l][..3]);
         }
     }

@@ -1,0 +1,105 @@
+//! The contacts of a state, evaluated once more: for the ledger and for whoever shows forces.
+
+use crate::{Contact, Plan, State, WallContact};
+use tdem_physics::Vec3;
+use tdem_physics::contact::{Encounter, Interaction, Sphere, Touch, respond, stored_energy, touch_spheres, touch_wall};
+
+/// A contact of a state: how it lies, how it moves, and the force that belongs to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluated<'a> {
+    /// The first body.
+    pub first: Sphere<f64>,
+    /// From its centre to the nearest image of the second, or to the wall.
+    pub touch: Touch<f64>,
+    /// What the law is told.
+    pub encounter: Encounter<f64>,
+    /// Parameters of the pair of materials.
+    pub interaction: &'a Interaction<f64>,
+    /// Tangential displacement of the second surface relative to the first, m.
+    pub displacement: Vec3<f64>,
+    /// Force on the first body, N. Zero for bodies that have parted: Gear's corrector moves particles after forces were
+    /// computed.
+    pub force: Vec3<f64>,
+}
+
+impl Evaluated<'_> {
+    /// Whether the bodies still touch.
+    #[must_use]
+    pub fn touches(&self) -> bool {
+        self.touch.overlap > 0.0
+    }
+    /// Energy in the normal and the tangential spring, J.
+    #[must_use]
+    pub fn stored_energy(&self) -> [f64; 2] {
+        if !self.touches() {
+            return [0.0; 2];
+        }
+        let Evaluated { encounter, displacement, interaction, .. } = self;
+        stored_energy(encounter.radius_eff, encounter.overlap, *displacement, interaction).into()
+    }
+}
+
+impl State {
+    /// Evaluates a pair of particles; `None` if the state has no such particles.
+    #[must_use]
+    pub fn evaluate<'a>(&self, plan: &'a Plan, contact: &Contact) -> Option<Evaluated<'a>> {
+        let (i, j) = (self.index_of(contact.first)?, self.index_of(contact.second)?);
+        let (first, second) = (self.sphere(i), self.sphere(j));
+        let touch = self.touch(plan, i, j);
+        let encounter = Encounter::of_spheres(&first, &second, &touch, plan.law.moments);
+        let interaction = plan.interaction(self.material[i], self.material[j]);
+        Some(evaluated(plan, first, touch, encounter, interaction, contact.displacement))
+    }
+
+    /// Evaluates a particle at a wall; `None` if there is no such particle or wall.
+    #[must_use]
+    pub fn evaluate_at_wall<'a>(&self, plan: &'a Plan, contact: &WallContact) -> Option<Evaluated<'a>> {
+        let i = self.index_of(contact.particle)?;
+        let wall = plan.walls.get(contact.wall as usize)?;
+        let point = *self.wall_position.get(contact.wall as usize)?;
+        let (first, normal) = (self.sphere(i), wall.normal.into());
+        let touch = touch_wall(first.position, first.radius, point.into(), normal);
+        let encounter = Encounter::with_wall(&first, &touch, normal, wall.velocity.into(), plan.law.moments);
+        let interaction = plan.interaction(self.material[i], wall.material);
+        Some(evaluated(plan, first, touch, encounter, interaction, contact.displacement))
+    }
+
+    /// Overlap of a pair, as a fraction of its mean radius.
+    pub(crate) fn overlap_ratio(&self, plan: &Plan, contact: &Contact) -> Option<f64> {
+        let (i, j) = (self.index_of(contact.first)?, self.index_of(contact.second)?);
+        Some(2.0 * self.touch(plan, i, j).overlap / (self.radius[i] + self.radius[j]))
+    }
+
+    fn touch(&self, plan: &Plan, i: usize, j: usize) -> Touch<f64> {
+        let position = |index: usize| -> Vec3<f64> { self.position[index].into() };
+        touch_spheres(plan.domain.period().nearest(position(j) - position(i)), self.radius[i] + self.radius[j])
+    }
+
+    fn sphere(&self, index: usize) -> Sphere<f64> {
+        Sphere {
+            position: self.position[index].into(),
+            radius: self.radius[index],
+            velocity: self.velocity[index].into(),
+            mass: self.mass[index],
+            angular_velocity: self.angular_velocity[index].into(),
+        }
+    }
+}
+
+fn evaluated<'a>(
+    plan: &Plan,
+    first: Sphere<f64>,
+    touch: Touch<f64>,
+    encounter: Encounter<f64>,
+    interaction: &'a Interaction<f64>,
+    displacement: [f64; 3],
+) -> Evaluated<'a> {
+    let displacement = displacement.into();
+    let force = if touch.overlap > 0.0 {
+        // A step of zero length: the force as it is, without moving the history.
+        respond(plan.law, &encounter, displacement, interaction, 0.0).force
+    } else {
+        Vec3::zero()
+    };
+    Evaluated { first, touch, encounter, interaction, displacement, force }
+}
