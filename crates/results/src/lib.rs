@@ -23,6 +23,7 @@ pub mod picture;
 mod run_directory;
 pub mod session;
 mod vtkhdf;
+mod writer;
 
 pub use blocks::{Contents, Precision};
 pub use checkpoint::{Damage, Damaged};

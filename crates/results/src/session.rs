@@ -1,12 +1,17 @@
 //! A session: a simulation runs into a directory until it is done, stopped, or at fault.
+//!
+//! Results are written by a thread of their own while the simulation goes on, in the order in which they were taken
+//! out of it. At most two moments are under way; then the simulation waits for the disk. Whatever ends a session, what
+//! was taken before is written first.
 
 use crate::error::Error;
-use crate::history::Row;
 use crate::pace::{Pace, Rate};
 use crate::run_directory::RunDirectory;
+use crate::writer::{Failure, LIMIT, Report, Sink, Wanted, Writer};
 use std::path::PathBuf;
+use std::thread;
 use std::time::{Duration, Instant};
-use tdem_engine::{Fault, Ledger, Schedule, Simulation, State};
+use tdem_engine::{Capture, Fault, Ledger, Schedule, Simulation};
 use thiserror::Error;
 
 /// How a run is getting on.
@@ -24,7 +29,7 @@ pub struct Progress {
     pub cundall_number: f64,
     /// Wall clock until the end, if the pace stays; `None` at the start.
     pub time_left: Option<Duration>,
-    /// Energies and measures, not older than a few seconds.
+    /// Energies and measures, not older than a few seconds unless the disk or the simulation is slow.
     pub ledger: Ledger,
     /// The step they belong to.
     pub ledger_step: u64,
@@ -56,11 +61,11 @@ pub enum Note {
     },
 }
 
-/// Who watches a run.
+/// Who watches a run, on the thread that runs it.
 pub trait Observer {
     /// Called several times a second.
     fn progress(&mut self, progress: &Progress) -> Control;
-    /// Called when something was written.
+    /// Called after something was written, in the order of writing.
     fn note(&mut self, note: &Note);
 }
 
@@ -107,14 +112,61 @@ pub fn run(
     schedule: &Schedule,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let mut session = Session::begin(simulation, directory, schedule, observer)?;
-    let result = session.run();
-    if let Err(error) = &result {
+    let result = run_into(simulation, directory, schedule, observer);
+    result.map_err(|failure| {
+        let error = match failure {
+            Failure::Results(error) => RunError::Results(error),
+            Failure::Fault(fault) => RunError::Fault {
+                fault,
+                checkpoint: directory.last_checkpoint().unwrap_or(0),
+                path: directory.path().into(),
+            },
+        };
         // Whether or not the masters and the log can be written, the first error is what must be told.
-        let _ = session.directory.publish();
-        let _ = session.directory.log(&error.to_string());
+        let _ = directory.publish();
+        let _ = directory.log(&error.to_string());
+        error
+    })
+}
+
+fn run_into(
+    simulation: Simulation,
+    directory: &mut RunDirectory,
+    schedule: &Schedule,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, Failure> {
+    let step = simulation.step();
+    if step < schedule.steps {
+        let (frame, row) = (!falls_on(step, schedule.frame_every), !falls_on(step, schedule.history_every));
+        directory.forget_end(step, frame, row)?;
     }
-    result
+    let last_checkpoint = directory.last_checkpoint();
+    let outcome = carry_on(simulation, directory, last_checkpoint, schedule, observer)?;
+    directory.publish()?;
+    directory.log(&match outcome {
+        Outcome::Finished { step } => format!("finished at step {step}"),
+        Outcome::Interrupted { step } => format!("interrupted at step {step}"),
+    })?;
+    Ok(outcome)
+}
+
+/// Runs a simulation beside the thread that writes. When it returns, all that was taken is written, or the writing
+/// has failed.
+fn carry_on(
+    simulation: Simulation,
+    sink: &mut dyn Sink,
+    last_checkpoint: Option<u64>,
+    schedule: &Schedule,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, Failure> {
+    let plan = simulation.plan().clone();
+    thread::scope(|scope| {
+        let writer = Writer::start(scope, sink, &plan)?;
+        let mut session = Session::begin(simulation, writer, last_checkpoint, schedule, observer)?;
+        let result = session.run();
+        // An error of the writer belongs to an earlier step than what the simulation met meanwhile.
+        session.settle().and(result)
+    })
 }
 
 /// The least time between two calls of the observer.
@@ -124,76 +176,59 @@ const LEDGER_INTERVAL: Duration = Duration::from_secs(2);
 /// and drawing it up takes at most one part in so many of the time.
 const LEDGER_SHARE: u32 = 50;
 
-/// A state that was taken out of the simulation, with what shall become of it.
-///
-/// It owns all that the writing needs: the simulation may go on while it is written.
-struct Snapshot {
-    state: State,
-    ledger: Ledger,
-    frame: bool,
-    row: bool,
-    checkpoint: bool,
-}
-
-struct Session<'a> {
+struct Session<'a, 'scope> {
     simulation: Simulation,
-    directory: &'a mut RunDirectory,
+    writer: Writer<'scope>,
     schedule: Schedule,
     observer: &'a mut dyn Observer,
-    particles: usize,
     ledger: Ledger,
     ledger_step: u64,
     ledger_drawn: Instant,
     ledger_cost: Duration,
-    checkpoint_written: Instant,
+    /// Step of the last checkpoint, written or on its way.
+    last_checkpoint: Option<u64>,
+    /// When it was written; `None` while it is on its way.
+    checkpoint_written: Option<Instant>,
     observed: Instant,
 }
 
-impl<'a> Session<'a> {
+impl<'a, 'scope> Session<'a, 'scope> {
     fn begin(
-        simulation: Simulation,
-        directory: &'a mut RunDirectory,
+        mut simulation: Simulation,
+        writer: Writer<'scope>,
+        last_checkpoint: Option<u64>,
         schedule: &Schedule,
         observer: &'a mut dyn Observer,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, Failure> {
         let now = Instant::now();
-        let state = simulation.state();
-        let step = state.step;
-        let ledger = Ledger::of(&state, simulation.plan());
+        let state = simulation.state()?;
+        let (step, ledger) = (state.step, Ledger::of(&state, simulation.plan()));
         let mut session = Session {
-            particles: state.len(),
             ledger,
             ledger_step: step,
             ledger_drawn: Instant::now(),
             ledger_cost: now.elapsed(),
-            checkpoint_written: now,
+            last_checkpoint,
+            checkpoint_written: Some(now),
             observed: now,
             simulation,
-            directory,
+            writer,
             schedule: *schedule,
             observer,
         };
-        if step < schedule.steps {
-            let (frame, row) = (!falls_on(step, schedule.frame_every), !falls_on(step, schedule.history_every));
-            session.directory.forget_end(step, frame, row)?;
-        }
-        let snapshot = Snapshot {
-            ledger,
+        let wanted = Wanted {
             frame: falls_on(step, schedule.frame_every),
             row: falls_on(step, schedule.history_every),
             // A run that was just created has none, and displacements count from the first.
-            checkpoint: session.directory.last_checkpoint().is_none(),
-            state,
+            checkpoint: last_checkpoint.is_none(),
         };
-        // The first checkpoint comes before the first frame, which counts its displacements from it.
-        if snapshot.checkpoint {
-            session.checkpoint(&snapshot.state)?;
+        if wanted.written() {
+            session.hand_over(state.into(), now.elapsed(), wanted);
         }
-        session.write(&Snapshot { checkpoint: false, ..snapshot })?;
         Ok(session)
     }
 
-    fn run(&mut self) -> Result<Outcome, RunError> {
+    fn run(&mut self) -> Result<Outcome, Failure> {
         let mut pace = Pace::new();
         let mut rate = Rate::new(self.simulation.step());
         if self.observe(&rate)? == Control::Stop && self.simulation.step() < self.schedule.steps {
@@ -202,11 +237,10 @@ impl<'a> Session<'a> {
         while self.simulation.step() < self.schedule.steps {
             let batch = pace.batch().min(self.next_stop() - self.simulation.step());
             let began = Instant::now();
-            if let Err(fault) = self.simulation.advance(batch) {
-                return Err(self.fault(fault));
-            }
+            self.simulation.advance(batch)?;
             pace.took(batch, began.elapsed());
             rate.reached(self.simulation.step());
+            self.hear()?;
             self.record()?;
             if self.observed.elapsed() >= PROGRESS_INTERVAL
                 && self.observe(&rate)? == Control::Stop
@@ -215,11 +249,9 @@ impl<'a> Session<'a> {
                 return self.stop();
             }
         }
+        self.settle()?;
         self.observe(&rate)?;
-        self.directory.publish()?;
-        let step = self.simulation.step();
-        self.directory.log(&format!("finished at step {step}"))?;
-        Ok(Outcome::Finished { step })
+        Ok(Outcome::Finished { step: self.simulation.step() })
     }
 
     /// The next step at which something is due.
@@ -233,65 +265,86 @@ impl<'a> Session<'a> {
             .fold(steps, u64::min)
     }
 
-    /// Writes what is due at the present step.
-    fn record(&mut self) -> Result<(), RunError> {
+    /// Takes out what is due at the present step.
+    fn record(&mut self) -> Result<(), Failure> {
         let step = self.simulation.step();
         let end = step == self.schedule.steps;
-        let frame = falls_on(step, self.schedule.frame_every) || (end && self.schedule.frame_every > 0);
-        let row = falls_on(step, self.schedule.history_every) || (end && self.schedule.history_every > 0);
-        let checkpoint = end
-            || self.schedule.checkpoint_every.is_some_and(|every| falls_on(step, every))
-            || self.checkpoint_written.elapsed().as_secs_f64() >= self.schedule.checkpoint_interval_secs;
-        if frame || row || checkpoint {
-            let began = Instant::now();
-            let state = self.simulation.state();
-            let ledger = if row { Ledger::of(&state, self.simulation.plan()) } else { self.ledger };
-            if row {
-                self.drew(ledger, step, began);
+        let interval = self.schedule.checkpoint_interval_secs;
+        let wanted = Wanted {
+            frame: falls_on(step, self.schedule.frame_every) || (end && self.schedule.frame_every > 0),
+            row: falls_on(step, self.schedule.history_every) || (end && self.schedule.history_every > 0),
+            checkpoint: end
+                || self.schedule.checkpoint_every.is_some_and(|every| falls_on(step, every))
+                || self.checkpoint_written.is_some_and(|written| written.elapsed().as_secs_f64() >= interval),
+        };
+        if wanted.written() { self.take(wanted) } else { Ok(()) }
+    }
+
+    /// Takes the present moment out of the simulation as soon as there is room for it.
+    fn take(&mut self, wanted: Wanted) -> Result<(), Failure> {
+        self.wait_for(LIMIT - 1)?;
+        let began = Instant::now();
+        let capture = self.simulation.capture()?;
+        self.hand_over(capture, began.elapsed(), wanted);
+        Ok(())
+    }
+
+    fn hand_over(&mut self, capture: Capture, took: Duration, wanted: Wanted) {
+        if wanted.checkpoint {
+            self.last_checkpoint = Some(self.simulation.step());
+            self.checkpoint_written = None;
+        }
+        self.writer.write(capture, took, wanted);
+    }
+
+    /// Hears what the writer has to tell.
+    fn hear(&mut self) -> Result<(), Failure> {
+        while let Some(report) = self.writer.told()? {
+            self.heard(report);
+        }
+        Ok(())
+    }
+
+    /// Waits until the writer has done all that was handed over.
+    fn settle(&mut self) -> Result<(), Failure> {
+        self.wait_for(0)
+    }
+
+    /// Waits until no more than so many jobs are under way.
+    fn wait_for(&mut self, under_way: usize) -> Result<(), Failure> {
+        self.hear()?;
+        while self.writer.under_way() > under_way {
+            if let Some(report) = self.writer.listen()? {
+                self.heard(report);
             }
-            self.write(&Snapshot { state, ledger, frame, row, checkpoint })?;
         }
         Ok(())
     }
 
-    /// Writes a snapshot: what a checkpoint counts on comes before it.
-    fn write(&mut self, snapshot: &Snapshot) -> Result<(), RunError> {
-        let plan = self.simulation.plan();
-        let step = snapshot.state.step;
-        if snapshot.row {
-            self.directory.row(&Row { step, time: plan.time(step), ledger: snapshot.ledger })?;
+    fn heard(&mut self, report: Report) {
+        match report {
+            Report::Note(note) => {
+                if matches!(note, Note::Checkpoint { step } if self.last_checkpoint == Some(step)) {
+                    self.checkpoint_written = Some(Instant::now());
+                }
+                self.observer.note(&note);
+            }
+            Report::Ledger { ledger, step, cost } => {
+                self.ledger = ledger;
+                self.ledger_step = step;
+                self.ledger_cost = cost;
+                self.ledger_drawn = Instant::now();
+            }
+            Report::Done => {}
         }
-        if snapshot.frame {
-            self.directory.frame(&snapshot.state, plan)?;
-            self.observer.note(&Note::Frame { step });
-        }
-        if snapshot.checkpoint {
-            self.checkpoint(&snapshot.state)?;
-        }
-        Ok(())
     }
 
-    fn checkpoint(&mut self, state: &State) -> Result<(), RunError> {
-        self.directory.checkpoint(state)?;
-        self.checkpoint_written = Instant::now();
-        self.observer.note(&Note::Checkpoint { step: state.step });
-        Ok(())
-    }
-
-    fn drew(&mut self, ledger: Ledger, step: u64, began: Instant) {
-        self.ledger = ledger;
-        self.ledger_step = step;
-        self.ledger_cost = began.elapsed();
-        self.ledger_drawn = Instant::now();
-    }
-
-    fn observe(&mut self, rate: &Rate) -> Result<Control, RunError> {
+    fn observe(&mut self, rate: &Rate) -> Result<Control, Failure> {
         let step = self.simulation.step();
         let patience = LEDGER_INTERVAL.max(self.ledger_cost * LEDGER_SHARE);
-        if self.ledger_step < step && self.ledger_drawn.elapsed() >= patience {
-            let began = Instant::now();
-            let ledger = Ledger::of(&self.simulation.state(), self.simulation.plan());
-            self.drew(ledger, step, began);
+        // A ledger for the eye is no reason to wait: it is drawn up when the writer has nothing else to do.
+        if self.ledger_step < step && self.ledger_drawn.elapsed() >= patience && self.writer.under_way() == 0 {
+            self.take(Wanted::LEDGER)?;
         }
         let left = self.schedule.steps.saturating_sub(step);
         let progress = Progress {
@@ -299,7 +352,7 @@ impl<'a> Session<'a> {
             steps: self.schedule.steps,
             time: self.simulation.time(),
             end_time: self.simulation.plan().time(self.schedule.steps),
-            cundall_number: rate.steps_per_second().unwrap_or(0.0) * self.particles as f64,
+            cundall_number: rate.steps_per_second().unwrap_or(0.0) * self.simulation.particles() as f64,
             time_left: rate.time_for(left),
             ledger: self.ledger,
             ledger_step: self.ledger_step,
@@ -307,31 +360,27 @@ impl<'a> Session<'a> {
         let control = self.observer.progress(&progress);
         self.observed = Instant::now();
         if control == Control::Publish {
-            self.directory.publish()?;
+            self.wait_for(LIMIT - 1)?;
+            self.writer.publish();
+            self.settle()?;
         }
         Ok(control)
     }
 
-    fn stop(&mut self) -> Result<Outcome, RunError> {
+    /// Leaves a checkpoint of the present step.
+    fn stop(&mut self) -> Result<Outcome, Failure> {
         let step = self.simulation.step();
-        if self.directory.last_checkpoint() != Some(step) {
-            let state = self.simulation.state();
-            self.checkpoint(&state)?;
+        if self.last_checkpoint != Some(step) {
+            self.take(Wanted { checkpoint: true, ..Wanted::default() })?;
         }
-        self.directory.publish()?;
-        self.directory.log(&format!("interrupted at step {step}"))?;
+        self.settle()?;
         Ok(Outcome::Interrupted { step })
-    }
-
-    fn fault(&self, fault: Fault) -> RunError {
-        RunError::Fault {
-            fault,
-            checkpoint: self.directory.last_checkpoint().unwrap_or(0),
-            path: self.directory.path().into(),
-        }
     }
 }
 
 fn falls_on(step: u64, every: u64) -> bool {
     every > 0 && step.is_multiple_of(every)
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,9 +7,9 @@ mod common;
 use common::{Watcher, assert_same_results, results, run_new, run_on, schedule, simulation, state};
 use std::fs;
 use std::time::Duration;
-use tdem_engine::Schedule;
+use tdem_engine::{Ledger, Schedule};
 use tdem_results::session::run;
-use tdem_results::{Control, Note, Observer, Outcome, Progress, RunDirectory, RunError, load_final_state};
+use tdem_results::{Control, Note, Observer, Outcome, Progress, Row, RunDirectory, RunError, load_final_state};
 
 #[test]
 fn a_run_leaves_frames_rows_and_checkpoints_on_schedule() {
@@ -26,6 +26,38 @@ fn a_run_leaves_frames_rows_and_checkpoints_on_schedule() {
     let names: Vec<String> = results(folder.path()).into_keys().collect();
     assert!(names.contains(&"walls.vtkhdf".into()) && names.contains(&"frames/000009.vtkhdf".into()));
     assert!(fs::read_to_string(folder.path().join("log.txt")).unwrap().contains("finished at step 410"));
+}
+
+#[test]
+fn the_files_are_those_of_writing_one_after_the_other() {
+    let (session, plain) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    run_new(session.path(), 400);
+    let mut directory = RunDirectory::create(plain.path(), "# a test\n", false).unwrap();
+    directory.set_contents(common::contents());
+    let mut simulation = simulation(state());
+    let plan = simulation.plan().clone();
+    directory.checkpoint(&simulation.state().unwrap()).unwrap();
+    for step in (0..=400).step_by(10) {
+        let state = simulation.state().unwrap();
+        directory.row(&Row { step, time: plan.time(step), ledger: Ledger::of(&state, &plan) }).unwrap();
+        if step % 50 == 0 {
+            directory.frame(&state, &plan).unwrap();
+        }
+        if step > 0 && (step % 70 == 0 || step == 400) {
+            directory.checkpoint(&state).unwrap();
+        }
+        simulation.advance(10).unwrap();
+    }
+    directory.publish().unwrap();
+    assert_same_results(session.path(), plain.path());
+    for step in [0, 350, 400] {
+        let [one, other] = [&session, &plain].map(|run| {
+            let checkpoints = tdem_results::info(run.path()).unwrap().checkpoints;
+            assert_eq!(checkpoints.len(), 3);
+            fs::read(&checkpoints.iter().find(|checkpoint| checkpoint.step == step).unwrap().path).unwrap()
+        });
+        assert!(one == other, "the checkpoint of step {step} differs");
+    }
 }
 
 #[test]
@@ -110,6 +142,9 @@ fn a_fault_names_the_last_good_checkpoint_and_keeps_the_results() {
     assert_eq!(load_final_state(folder.path()).unwrap().state.step, *checkpoint);
     assert!(error.to_string().contains("the last good checkpoint is of step"));
     assert!(tdem_results::info(folder.path()).unwrap().frames.len() as u64 > checkpoint / 50);
+    let history = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+    let last: u64 = history.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!(last >= *checkpoint && history.lines().count() as u64 == last / 10 + 2, "no row is missing");
     assert!(fs::read_to_string(folder.path().join("log.txt")).unwrap().lines().count() >= 2);
 }
 
