@@ -1,6 +1,6 @@
 //! What stands on the command line, and who answers it.
 
-use crate::{bench, check, console, info, new, pack, picture, render, resume, run, shell, verify};
+use crate::{bench, check, console, info, kernels, new, pack, picture, render, resume, run, shell, verify};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -50,6 +50,8 @@ enum Command {
     Verify(verify::Arguments),
     /// Measure how fast this machine is
     Bench(bench::Arguments),
+    /// Print the kernels of a case: the laws and what calls them, as OpenCL and CUDA compile them
+    Kernels(kernels::Arguments),
     /// Print the JSON schema of case files, for editors
     Schema,
     /// Print completions for a shell
@@ -70,6 +72,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Picture(arguments) => picture::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Kernels(arguments) => kernels::execute(&arguments),
         Command::Schema => shell::schema(),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::man(&arguments),

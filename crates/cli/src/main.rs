@@ -9,6 +9,7 @@ mod console;
 mod device;
 mod files;
 mod info;
+mod kernels;
 mod machine;
 mod new;
 mod pack;

@@ -29,6 +29,12 @@ use crate::{Capture, Fault, Plan, State};
 use run::Gpu;
 use runtime::Runtime;
 
+/// All that a device's compiler is given for a run under this plan: the dialect, the printed laws, the kernels.
+#[must_use]
+pub fn source(plan: &Plan) -> String {
+    format!("{PRELUDE}\n{}", program::Variant::of(plan).source())
+}
+
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
     Ok(match api {
