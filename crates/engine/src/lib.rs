@@ -10,6 +10,7 @@
 
 pub mod cpu;
 mod fault;
+pub mod gpu;
 mod ledger;
 mod plan;
 mod simulation;

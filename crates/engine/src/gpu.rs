@@ -1,0 +1,17 @@
+//! GPUs through OpenCL and CUDA: one dialect of kernels, one trait [`runtime::Runtime`], two runtimes behind it.
+
+mod cuda;
+mod devices;
+mod kernel_cache;
+mod opencl;
+mod pool;
+mod runtime;
+mod self_test;
+#[cfg(test)]
+mod tests;
+
+pub use devices::{Api, Listing, Survey, devices, survey};
+pub use runtime::Error;
+
+/// What precedes the source of every kernel: the dialect, for both compilers.
+const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");

@@ -1,0 +1,101 @@
+//! The GPUs of this machine, and whether they can be used.
+
+use super::cuda::Cuda;
+use super::opencl::OpenCl;
+use super::runtime::{Error, Runtime};
+use super::self_test::check_contraction;
+use std::fmt;
+
+/// A programming interface of GPUs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Api {
+    /// Any vendor; on a CPU through PoCL.
+    OpenCl,
+    /// NVIDIA.
+    Cuda,
+}
+
+impl fmt::Display for Api {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Api::OpenCl => "OpenCL",
+            Api::Cuda => "CUDA",
+        })
+    }
+}
+
+/// A device as one interface shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listing {
+    /// The interface.
+    pub api: Api,
+    /// Its number within the interface, from 0.
+    pub index: usize,
+    /// What the vendor calls it.
+    pub name: String,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// Memory, bytes.
+    pub memory: u64,
+    /// Whether it computes with 64-bit reals.
+    pub fp64: bool,
+    /// Multiprocessors, or what the vendor counts as such.
+    pub compute_units: u32,
+    /// Whether `tdem` can use it, else why not.
+    pub usable: Result<(), String>,
+}
+
+/// All devices, and the interfaces that have none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// Devices, interface by interface.
+    pub devices: Vec<Listing>,
+    /// Interfaces that cannot be used at all, and why.
+    pub missing: Vec<(Api, String)>,
+}
+
+/// The devices of all interfaces. Each one runs the self-test.
+#[must_use]
+pub fn devices() -> Vec<Listing> {
+    survey().devices
+}
+
+/// The devices of all interfaces, and why an interface has none. Each device runs the self-test.
+#[must_use]
+pub fn survey() -> Survey {
+    let mut survey = Survey { devices: Vec::new(), missing: Vec::new() };
+    survey.add(Api::OpenCl, OpenCl::list(), |index| open_opencl(index).map(drop));
+    survey.add(Api::Cuda, Cuda::list(), |index| open_cuda(index).map(drop));
+    survey
+}
+
+impl Survey {
+    fn add(&mut self, api: Api, list: Result<Vec<Listing>, Error>, open: impl Fn(usize) -> Result<(), Error>) {
+        match list {
+            Ok(list) => self.devices.extend(list.into_iter().map(|mut device| {
+                device.usable = open(device.index).map_err(|error| error.to_string());
+                device
+            })),
+            Err(error) => self.missing.push((api, error.to_string())),
+        }
+    }
+}
+
+/// An OpenCL device that passed the self-test.
+pub(crate) fn open_opencl(index: usize) -> Result<OpenCl, Error> {
+    tested(OpenCl::open(index)?)
+}
+
+/// A CUDA device that passed the self-test.
+pub(crate) fn open_cuda(index: usize) -> Result<Cuda, Error> {
+    tested(Cuda::open(index)?)
+}
+
+fn tested<R: Runtime>(runtime: R) -> Result<R, Error> {
+    if check_contraction(&runtime)? {
+        Ok(runtime)
+    } else {
+        let why = "the device fuses multiply and add, or rounds in its own way: results would not have the CPU's bits";
+        Err(Error::Missing { why: why.to_owned() })
+    }
+}

@@ -1,0 +1,311 @@
+//! OpenCL 1.2, whose library is looked for when it is needed.
+#![allow(unsafe_code, reason = "the interface is C")]
+
+use super::PRELUDE;
+use super::devices::{Api, Listing};
+use super::pool::{Block, Pool};
+use super::runtime::{Argument, Error, Fetch, Runtime};
+use opencl3::command_queue::CommandQueue;
+use opencl3::context::Context;
+use opencl3::device::{CL_DEVICE_TYPE_ALL, Device};
+use opencl3::error_codes::{
+    CL_BUILD_PROGRAM_FAILURE, CL_DEVICE_NOT_FOUND, CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE,
+    CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, CL_PLATFORM_NOT_FOUND_KHR, ClError, DLOPEN_RUNTIME_LOAD_FAILED,
+};
+use opencl3::event::Event;
+use opencl3::kernel::{Kernel, set_kernel_arg};
+use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
+use opencl3::platform::get_platforms;
+use opencl3::program::Program;
+use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING, cl_mem};
+use std::mem::ManuallyDrop;
+use std::ptr;
+use std::slice;
+use std::sync::Arc;
+
+/// A device of OpenCL with one queue that keeps its order.
+pub(crate) struct OpenCl {
+    device: Device,
+    context: Context,
+    queue: CommandQueue,
+    /// For mapping host memory, which would wait for all work in the other queue.
+    mapping: Arc<CommandQueue>,
+    pool: Pool<Mapped>,
+}
+
+/// Memory of the device.
+pub(crate) struct Memory {
+    buffer: Buffer<u8>,
+}
+
+impl Memory {
+    /// The same buffer as the binding wants it, mutable; it is not released.
+    fn alias(&self) -> ManuallyDrop<Buffer<u8>> {
+        ManuallyDrop::new(Buffer::new(self.buffer.get()))
+    }
+}
+
+/// A buffer in host memory that stays mapped; vendors pin it.
+pub(crate) struct Mapped {
+    buffer: Buffer<u8>,
+    bytes: *mut u8,
+    capacity: usize,
+    queue: Arc<CommandQueue>,
+}
+
+// SAFETY: the pointer is to memory of `buffer`, which any thread may read; handles of OpenCL belong to no thread.
+unsafe impl Send for Mapped {}
+
+impl Block for Mapped {
+    fn capacity(&self) -> usize {
+        self.capacity
+    }
+}
+
+impl Drop for Mapped {
+    fn drop(&mut self) {
+        // SAFETY: `bytes` is what mapping `buffer` returned, and nobody can hold it any more.
+        let unmapped = unsafe { self.queue.enqueue_unmap_mem_object(self.buffer.get(), self.bytes.cast(), &[]) };
+        // If it fails, the buffer stays mapped until it is released, which is now.
+        let _ = unmapped.and_then(|_| self.queue.flush());
+    }
+}
+
+/// A transfer to the host.
+pub(crate) struct Transfer {
+    /// Taken by `drop`.
+    block: Option<Mapped>,
+    bytes: usize,
+    /// `None` when it is done.
+    event: Option<Event>,
+    pool: Pool<Mapped>,
+}
+
+impl Fetch for Transfer {
+    fn wait(&mut self) -> Result<&[u8], Error> {
+        if let Some(event) = &self.event {
+            event.wait().map_err(|e| failed("clWaitForEvents", e))?;
+            self.event = None;
+        }
+        let start = self.block.as_ref().map_or(ptr::NonNull::dangling().as_ptr(), |block| block.bytes);
+        // SAFETY: the block is mapped, has at least this size, was written up to it, and nothing writes it now.
+        Ok(unsafe { slice::from_raw_parts(start, self.bytes) })
+    }
+}
+
+impl Drop for Transfer {
+    fn drop(&mut self) {
+        // A block that the device might still write must not be lent again: it is let go, and never unmapped.
+        let done = self.event.as_ref().is_none_or(|event| event.wait().is_ok());
+        match self.block.take() {
+            Some(block) if done => self.pool.give_back(block),
+            block => std::mem::forget(block),
+        }
+    }
+}
+
+impl OpenCl {
+    /// All devices of all platforms; whether they can be used is not known yet.
+    pub(crate) fn list() -> Result<Vec<Listing>, Error> {
+        let list = devices()?;
+        list.iter()
+            .enumerate()
+            .map(|(index, device)| listing(index, device).map_err(|e| failed("clGetDeviceInfo", e)))
+            .collect()
+    }
+    /// The device of this number.
+    pub(crate) fn open(index: usize) -> Result<Self, Error> {
+        let list = devices()?;
+        let count = list.len();
+        let Some(device) = list.into_iter().nth(index) else {
+            return Err(Error::Missing {
+                why: format!("OpenCL has {count} devices here, so there is none of number {index}"),
+            });
+        };
+        if device.double_fp_config().unwrap_or(0) == 0 {
+            return Err(Error::Missing { why: "the device has no 64-bit reals".to_owned() });
+        }
+        let context = Context::from_device(&device).map_err(|e| failed("clCreateContext", e))?;
+        let queue = || {
+            #[allow(deprecated, reason = "the newer call is not part of OpenCL 1.2")]
+            CommandQueue::create_default(&context, 0).map_err(|e| failed("clCreateCommandQueue", e))
+        };
+        let (queue, mapping) = (queue()?, Arc::new(queue()?));
+        Ok(OpenCl { device, context, queue, mapping, pool: Pool::new() })
+    }
+    fn map(&self, capacity: usize) -> Result<Mapped, Error> {
+        let flags = CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR;
+        // SAFETY: no host pointer is given.
+        let buffer = unsafe { Buffer::create(&self.context, flags, capacity, ptr::null_mut()) };
+        let mut buffer = buffer.map_err(|e| refused("clCreateBuffer", e, capacity))?;
+        let mut start: cl_mem = ptr::null_mut();
+        let flags = CL_MAP_READ | CL_MAP_WRITE;
+        // SAFETY: the buffer has this size; the call waits, so the pointer is valid when it returns.
+        unsafe { self.mapping.enqueue_map_buffer(&mut buffer, CL_BLOCKING, flags, 0, capacity, &mut start, &[]) }
+            .map_err(|e| refused("clEnqueueMapBuffer", e, capacity))?;
+        Ok(Mapped { buffer, bytes: start.cast(), capacity, queue: Arc::clone(&self.mapping) })
+    }
+}
+
+impl Runtime for OpenCl {
+    type Memory = Memory;
+    type Kernel = Kernel;
+    type Fetch = Transfer;
+
+    fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
+        let mut program = Program::create_from_sources(&self.context, &[PRELUDE, source])
+            .map_err(|e| failed("clCreateProgramWithSource", e))?;
+        program.build(self.context.devices(), "-cl-std=CL1.2").map_err(|error| match error {
+            ClError(CL_BUILD_PROGRAM_FAILURE) => Error::Compile {
+                log: program.get_build_log(self.device.id()).unwrap_or_else(|_| "no log".to_owned()).trim().to_owned(),
+            },
+            error => failed("clBuildProgram", error),
+        })?;
+        let kernel = |name: &&'static str| {
+            Kernel::create(&program, name)
+                .map_err(|e| Error::Call { call: "clCreateKernel", message: format!("{e} ({name})") })
+        };
+        names.iter().map(kernel).collect()
+    }
+
+    fn allocate(&self, bytes: usize) -> Result<Memory, Error> {
+        // SAFETY: no host pointer is given.
+        let buffer = unsafe { Buffer::create(&self.context, CL_MEM_READ_WRITE, bytes.max(1), ptr::null_mut()) };
+        let memory = Memory { buffer: buffer.map_err(|e| refused("clCreateBuffer", e, bytes))? };
+        // Some vendors give out memory at its first use: that must fail here, not in a kernel.
+        self.clear(&memory, 1).map_err(|error| match error {
+            Error::OutOfMemory { .. } => Error::OutOfMemory { bytes },
+            error => error,
+        })?;
+        Ok(memory)
+    }
+
+    fn upload(&self, memory: &Memory, bytes: &[u8]) -> Result<(), Error> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        // SAFETY: the call waits until `bytes` is read, and checks the size of the buffer.
+        unsafe { self.queue.enqueue_write_buffer(&mut memory.alias(), CL_BLOCKING, 0, bytes, &[]) }
+            .map_err(|e| refused("clEnqueueWriteBuffer", e, bytes.len()))?;
+        Ok(())
+    }
+
+    fn clear(&self, memory: &Memory, bytes: usize) -> Result<(), Error> {
+        if bytes == 0 {
+            return Ok(());
+        }
+        // Wide patterns are filled faster; a pattern must fit a whole number of times.
+        let width = 1 << bytes.trailing_zeros().min(4);
+        // SAFETY: the pattern is copied by the call, which checks the size of the buffer.
+        unsafe { self.queue.enqueue_fill_buffer(&mut memory.alias(), &[0_u8; 16][..width], 0, bytes, &[]) }
+            .map_err(|e| refused("clEnqueueFillBuffer", e, bytes))?;
+        Ok(())
+    }
+
+    fn copy(&self, from: &Memory, to: &Memory, bytes: usize) -> Result<(), Error> {
+        if bytes == 0 {
+            return Ok(());
+        }
+        // SAFETY: the call checks sizes and overlap; the queue keeps both buffers until it is done.
+        unsafe { self.queue.enqueue_copy_buffer(&from.buffer, &mut to.alias(), 0, 0, bytes, &[]) }
+            .map_err(|e| refused("clEnqueueCopyBuffer", e, bytes))?;
+        Ok(())
+    }
+
+    fn launch(
+        &self,
+        kernel: &Kernel,
+        groups: usize,
+        size: usize,
+        arguments: &[Argument<'_, Memory>],
+    ) -> Result<(), Error> {
+        if groups == 0 {
+            return Ok(());
+        }
+        for (index, argument) in arguments.iter().enumerate() {
+            // SAFETY: the call checks index and size against the kernel, and copies the value.
+            match argument {
+                Argument::Memory(memory) => unsafe { kernel.set_arg(index as u32, &memory.buffer.get()) },
+                Argument::Value(value) => {
+                    unsafe { set_kernel_arg(kernel.get(), index as u32, value.len(), value.as_ptr().cast()) }
+                        .map_err(ClError)
+                }
+            }
+            .map_err(|e| Error::Call { call: "clSetKernelArg", message: format!("{e} (argument {index})") })?;
+        }
+        // SAFETY: one dimension, as both sizes; all arguments are set. What the kernel does with its buffers is the
+        // business of its source.
+        unsafe { self.queue.enqueue_nd_range_kernel(kernel.get(), 1, ptr::null(), &(groups * size), &size, &[]) }
+            .map_err(|e| failed("clEnqueueNDRangeKernel", e))?;
+        Ok(())
+    }
+
+    fn fetch(&self, memory: &Memory, bytes: usize) -> Result<Transfer, Error> {
+        let mut transfer = Transfer { block: None, bytes, event: None, pool: self.pool.share() };
+        if bytes == 0 {
+            return Ok(transfer);
+        }
+        let block = transfer.block.insert(self.pool.take(bytes, |capacity| self.map(capacity))?);
+        // SAFETY: the block is mapped, has at least this size, and is kept until the event is complete.
+        let event = unsafe {
+            let target = slice::from_raw_parts_mut(block.bytes, bytes);
+            self.queue.enqueue_read_buffer(&memory.buffer, CL_NON_BLOCKING, 0, target, &[])
+        };
+        transfer.event = Some(event.map_err(|e| refused("clEnqueueReadBuffer", e, bytes))?);
+        self.flush()?;
+        Ok(transfer)
+    }
+
+    fn flush(&self) -> Result<(), Error> {
+        self.queue.flush().map_err(|e| failed("clFlush", e))
+    }
+
+    fn wait(&self) -> Result<(), Error> {
+        self.queue.finish().map_err(|e| failed("clFinish", e))
+    }
+}
+
+/// All devices of all platforms, in the order of the loader.
+fn devices() -> Result<Vec<Device>, Error> {
+    let missing = |why: &str| Error::Missing { why: why.to_owned() };
+    let platforms = get_platforms().map_err(|error| match error.0 {
+        DLOPEN_RUNTIME_LOAD_FAILED => missing("the loader of OpenCL (libOpenCL) was not found"),
+        CL_PLATFORM_NOT_FOUND_KHR => missing("OpenCL's loader knows no driver"),
+        _ => failed("clGetPlatformIDs", error),
+    })?;
+    let mut list = Vec::new();
+    for platform in platforms {
+        match platform.get_devices(CL_DEVICE_TYPE_ALL) {
+            Ok(ids) => list.extend(ids.into_iter().map(Device::new)),
+            Err(ClError(CL_DEVICE_NOT_FOUND)) => {}
+            Err(error) => return Err(failed("clGetDeviceIDs", error)),
+        }
+    }
+    if list.is_empty() { Err(missing("no driver of OpenCL has a device")) } else { Ok(list) }
+}
+
+fn listing(index: usize, device: &Device) -> Result<Listing, ClError> {
+    let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    Ok(Listing {
+        api: Api::OpenCl,
+        index,
+        name: words(device.name()?),
+        driver: words(format!("{} {}", device.version()?, device.driver_version()?)),
+        memory: device.global_mem_size()?,
+        fp64: device.double_fp_config().unwrap_or(0) != 0,
+        compute_units: device.max_compute_units()?,
+        usable: Ok(()),
+    })
+}
+
+fn failed(call: &'static str, error: ClError) -> Error {
+    Error::Call { call, message: error.to_string() }
+}
+
+/// A refusal of a call that may need memory. `CL_OUT_OF_RESOURCES` is what vendors say of a lost device, too, but not
+/// when they are asked for memory.
+fn refused(call: &'static str, error: ClError, bytes: usize) -> Error {
+    let of_memory =
+        [CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, CL_INVALID_BUFFER_SIZE];
+    if of_memory.contains(&error.0) { Error::OutOfMemory { bytes } } else { failed(call, error) }
+}

@@ -1,0 +1,219 @@
+//! The runtimes, on the OpenCL of this machine; without one, these tests fail.
+#![allow(unsafe_code, reason = "where a driver keeps its compiled kernels is told by the environment")]
+
+use super::cuda::Cuda;
+use super::devices::{Api, open_opencl, survey};
+use super::kernel_cache::KernelCache;
+use super::opencl::OpenCl;
+use super::runtime::{Argument, Error, Fetch, Runtime};
+use std::env;
+use std::sync::Once;
+
+/// The first OpenCL device.
+pub(super) fn runtime() -> OpenCl {
+    separate_caches();
+    OpenCl::open(0).expect("an OpenCL device (PoCL will do)")
+}
+
+/// Test processes that run at the same time must not share PoCL's cache. Those of one slot never do.
+fn separate_caches() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let slot = env::var("NEXTEST_TEST_GLOBAL_SLOT").unwrap_or_else(|_| "alone".to_owned());
+        let program = env::current_exe().unwrap();
+        let folder = program.parent().unwrap().join("pocl-cache").join(slot);
+        // SAFETY: all tests of this program that read the environment wait for this first.
+        unsafe { env::set_var("POCL_CACHE_DIR", folder) };
+    });
+}
+
+const KERNELS: &str = "
+typedef struct { real factor; u32 count; u32 offset; } Scaling;
+KERNEL(64, 1) scale(GLOBAL const Quad *RESTRICT from, GLOBAL Quad *RESTRICT to, const Scaling by) {
+    FOR_EACH(i, by.count) {
+        const Quad q = LOAD(from, i);
+        if (q.x < 0.0) continue;
+        to[i] = QUAD(q.x * by.factor, q.y * by.factor, q.z * by.factor, q.w + (real)by.offset);
+    }
+}
+KERNEL(64, 1) count(GLOBAL u32 *RESTRICT into, const u32 n) {
+    LOCAL u32 of_group[64];
+    of_group[LOCAL_INDEX] = 0;
+    FOR_EACH(i, n) {
+        of_group[LOCAL_INDEX] = 1;
+        ATOMIC_OR(&into[1], 1u << (i % 32));
+        ATOMIC_MAX(&into[2], i);
+        into[4 + ATOMIC_ADD(&into[3], 1)] = GROUP_INDEX;
+    }
+    BARRIER;
+    if (LOCAL_INDEX == 0) {
+        u32 sum = 0;
+        for (u32 k = 0; k < 64; ++k) sum += of_group[k];
+        ATOMIC_ADD(&into[0], sum);
+    }
+}
+KERNEL(64, 1) bits(GLOBAL u64 *RESTRICT to, const real x) {
+    FOR_EACH(i, 4u) {
+        to[i] = BITS_OF(i == 0 ? x : i == 1 ? INFINITY : i == 2 ? fabs(-x) : sqrt(x));
+    }
+    if (GROUP_COUNT != 1) to[0] = 0;
+}
+";
+
+fn quads(count: usize) -> Vec<[f64; 4]> {
+    (0..count).map(|i| [if i % 5 == 4 { -1.0 } else { i as f64 }, 0.1, i as f64 / 3.0, 1.0]).collect()
+}
+
+/// `f64`, then two `u32`, as C lays them out.
+fn scaling(factor: f64, count: u32, offset: u32) -> Vec<u8> {
+    [&factor.to_ne_bytes()[..], &count.to_ne_bytes(), &offset.to_ne_bytes()].concat()
+}
+
+#[test]
+fn a_kernel_reads_what_was_uploaded_and_the_host_what_it_wrote() {
+    let runtime = runtime();
+    let kernels = runtime.build(KERNELS, &["scale", "count"]).unwrap();
+    let input = quads(1000);
+    let size = size_of_val(&input[..]);
+    let (staging, from) = (runtime.allocate(size).unwrap(), runtime.allocate(size).unwrap());
+    let to = runtime.allocate(size + 1).unwrap();
+    runtime.upload(&staging, bytemuck::cast_slice(&input)).unwrap();
+    runtime.copy(&staging, &from, size).unwrap();
+    runtime.clear(&to, size + 1).unwrap();
+    let value = scaling(0.7, 1000, 3);
+    let arguments = [Argument::Memory(&from), Argument::Memory(&to), Argument::Value(&value)];
+    runtime.launch(&kernels[0], 16, 64, &arguments).unwrap();
+    let mut fetch = runtime.fetch(&to, size).unwrap();
+    let expected: Vec<[f64; 4]> = input
+        .iter()
+        .map(|&[x, y, z, w]| if x < 0.0 { [0.0; 4] } else { [x * 0.7, y * 0.7, z * 0.7, w + 3.0] })
+        .collect();
+    assert_eq!(bytemuck::cast_slice::<u8, [f64; 4]>(fetch.wait().unwrap()), expected);
+    assert_eq!(fetch.wait().unwrap().len(), size);
+}
+
+#[test]
+fn fetches_overlap_and_their_memory_is_used_again() {
+    let runtime = runtime();
+    let memory = runtime.allocate(4096).unwrap();
+    runtime.upload(&memory, &[1; 4096]).unwrap();
+    let mut first = runtime.fetch(&memory, 4096).unwrap();
+    runtime.upload(&memory, &[2; 100]).unwrap();
+    let mut second = runtime.fetch(&memory, 200).unwrap();
+    assert_eq!(first.wait().unwrap(), [1; 4096]);
+    assert_eq!(second.wait().unwrap(), [[2; 100], [1; 100]].concat());
+    let place = first.wait().unwrap().as_ptr();
+    drop(first);
+    let mut third = runtime.fetch(&memory, 4000).unwrap();
+    assert_eq!(third.wait().unwrap().as_ptr(), place);
+    // One that nobody waits for, and one that outlives its runtime.
+    drop(runtime.fetch(&memory, 4096).unwrap());
+    let mut last = runtime.fetch(&memory, 4096).unwrap();
+    drop((memory, runtime));
+    assert_eq!(last.wait().unwrap()[99..101], [2, 1]);
+}
+
+#[test]
+fn nothing_is_a_size_too() {
+    let runtime = runtime();
+    let kernels = runtime.build(KERNELS, &["count"]).unwrap();
+    let memory = runtime.allocate(0).unwrap();
+    runtime.upload(&memory, &[]).unwrap();
+    runtime.clear(&memory, 0).unwrap();
+    runtime.copy(&memory, &memory, 0).unwrap();
+    runtime.launch(&kernels[0], 0, 64, &[]).unwrap();
+    assert_eq!(runtime.fetch(&memory, 0).unwrap().wait().unwrap(), []);
+    runtime.flush().unwrap();
+    runtime.wait().unwrap();
+}
+
+#[test]
+fn atomics_and_local_memory_count_every_item() {
+    let runtime = runtime();
+    let kernel = runtime.build(KERNELS, &["count"]).unwrap().remove(0);
+    let n = 1000_u32;
+    let bytes = 4 * (4 + n as usize);
+    let memory = runtime.allocate(bytes).unwrap();
+    runtime.clear(&memory, bytes).unwrap();
+    runtime.launch(&kernel, 16, 64, &[Argument::Memory(&memory), Argument::Value(&n.to_ne_bytes())]).unwrap();
+    let mut fetch = runtime.fetch(&memory, bytes).unwrap();
+    let words: &[u32] = bytemuck::cast_slice(fetch.wait().unwrap());
+    assert_eq!(words[..4], [n, u32::MAX, n - 1, n]);
+    let mut groups = words[4..].to_vec();
+    groups.sort_unstable();
+    assert!(groups.iter().enumerate().all(|(i, &group)| group as usize == i / 64));
+}
+
+#[test]
+fn bits_of_reals_are_those_of_the_host() {
+    let runtime = runtime();
+    let kernel = runtime.build(KERNELS, &["bits"]).unwrap().remove(0);
+    let memory = runtime.allocate(32).unwrap();
+    let x = 0.1_f64;
+    runtime.launch(&kernel, 1, 64, &[Argument::Memory(&memory), Argument::Value(&x.to_ne_bytes())]).unwrap();
+    let mut fetch = runtime.fetch(&memory, 32).unwrap();
+    let expected = [x, f64::INFINITY, x, x.sqrt()].map(f64::to_bits);
+    assert_eq!(bytemuck::cast_slice::<u8, u64>(fetch.wait().unwrap()), expected);
+}
+
+#[test]
+fn refusals_say_what_is_wrong() {
+    let runtime = runtime();
+    let Err(Error::Compile { log }) = runtime.build("KERNEL(64, 1) broken() { no_such_name = 1; }", &["broken"]) else {
+        panic!("it compiled");
+    };
+    assert!(log.contains("no_such_name"), "{log}");
+    let unknown = runtime.build(KERNELS, &["absent"]).err();
+    assert!(matches!(unknown, Some(Error::Call { call: "clCreateKernel", .. })), "{unknown:?}");
+    let kernel = runtime.build(KERNELS, &["count"]).unwrap().remove(0);
+    let memory = runtime.allocate(64).unwrap();
+    let arguments = [Argument::Memory(&memory), Argument::Value(&[0; 8])];
+    let sizes = runtime.launch(&kernel, 1, 64, &arguments);
+    assert!(matches!(sizes, Err(Error::Call { call: "clSetKernelArg", .. })), "{sizes:?}");
+    assert!(runtime.upload(&memory, &[0; 65]).is_err());
+    assert!(runtime.clear(&memory, 65).is_err());
+    assert!(runtime.fetch(&memory, 65).is_err());
+    let huge = runtime.allocate(1 << 50).err();
+    assert_eq!(huge, Some(Error::OutOfMemory { bytes: 1 << 50 }));
+}
+
+#[test]
+fn the_survey_lists_a_device_that_passed_and_says_what_is_missing() {
+    separate_caches();
+    let survey = survey();
+    let device = survey.devices.iter().find(|d| d.api == Api::OpenCl && d.index == 0).expect("an OpenCL device");
+    assert_eq!(device.usable, Ok(()));
+    assert!(device.fp64 && device.memory > 0 && device.compute_units > 0, "{device:?}");
+    assert!(!device.name.is_empty() && !device.driver.is_empty(), "{device:?}");
+    let cuda = survey.devices.iter().any(|d| d.api == Api::Cuda);
+    let missing = survey.missing.iter().find(|(api, _)| *api == Api::Cuda);
+    assert_ne!(cuda, missing.is_some());
+    assert!(missing.is_none_or(|(_, why)| why.contains("NVIDIA")), "{missing:?}");
+}
+
+#[test]
+fn a_device_that_does_not_exist_is_missing_and_no_panic() {
+    separate_caches();
+    assert!(matches!(open_opencl(1000).err(), Some(Error::Missing { .. })));
+    assert!(matches!(Cuda::open(1000).err(), Some(Error::Missing { .. })));
+}
+
+#[test]
+fn a_cache_gives_back_what_it_was_given_and_nothing_damaged() {
+    let folder = env::temp_dir().join(format!("tdem-kernel-cache-{}", std::process::id()));
+    let cache = KernelCache::at(folder.join("new"));
+    let origin = ["source", "options"];
+    assert_eq!(cache.load(&origin), None);
+    cache.store(&origin, b"code");
+    assert_eq!(cache.load(&origin).as_deref(), Some(&b"code"[..]));
+    assert_eq!(cache.load(&["sourceopt", "ions"]), None);
+    let file = std::fs::read_dir(folder.join("new")).unwrap().next().unwrap().unwrap().path();
+    let whole = std::fs::read(&file).unwrap();
+    for damaged in [&whole[..3], &whole[..18], &[&whole[..19], &b"X"[..]].concat()] {
+        std::fs::write(&file, damaged).unwrap();
+        assert_eq!(cache.load(&origin), None);
+    }
+    // A folder that cannot be made is no error.
+    KernelCache::at(file.join("under a file")).store(&origin, b"code");
+    std::fs::remove_dir_all(folder).unwrap();
+}
