@@ -33,14 +33,14 @@ pub(crate) struct Cuda {
 pub(crate) struct Memory {
     place: sys::CUdeviceptr,
     bytes: usize,
-    context: Arc<CudaContext>,
+    stream: Arc<CudaStream>,
 }
 
 impl Drop for Memory {
     fn drop(&mut self) {
-        // SAFETY: it came from `malloc_sync` in this context. The call waits for kernels that use it.
-        let freed = self.context.bind_to_thread().and_then(|()| unsafe { result::free_sync(self.place) });
-        self.context.record_err(freed);
+        // SAFETY: it came from `malloc_sync` in this context, and all that used it is done.
+        let freed = self.stream.synchronize().and_then(|()| unsafe { result::free_sync(self.place) });
+        self.stream.context().record_err(freed);
     }
 }
 
@@ -121,7 +121,7 @@ impl Cuda {
                     why: format!("CUDA has {count} devices here, so there is none of number {index}"),
                 });
             }
-            let context = CudaContext::new(index).map_err(|e| refused("cuDevicePrimaryCtxRetain", e, 0))?;
+            let context = CudaContext::new(index).map_err(|e| failed("cuDevicePrimaryCtxRetain", e))?;
             // SAFETY: there is one stream, and no memory is made through the binding.
             unsafe { context.disable_event_tracking() };
             let stream = context.new_stream().map_err(|e| failed("cuStreamCreate", e))?;
@@ -186,7 +186,7 @@ impl Runtime for Cuda {
         let bytes = bytes.max(1);
         // SAFETY: its content is undefined, as the trait says, and no host code reads it directly.
         let place = unsafe { result::malloc_sync(bytes) }.map_err(|e| refused("cuMemAlloc", e, bytes))?;
-        Ok(Memory { place, bytes, context: Arc::clone(&self.context) })
+        Ok(Memory { place, bytes, stream: Arc::clone(&self.stream) })
     }
 
     fn upload(&self, memory: &Memory, bytes: &[u8]) -> Result<(), Error> {
