@@ -165,12 +165,7 @@ impl Runtime for Cuda {
 
     fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
         self.enter()?;
-        let options = [
-            format!("--gpu-architecture={}", self.architecture),
-            "--fmad=false".to_owned(),
-            "--std=c++17".to_owned(),
-            "--generate-line-info".to_owned(),
-        ];
+        let options = options(&self.architecture);
         let (driver, option_text) = (self.driver.to_string(), options.join(" "));
         let origin = [PRELUDE, source, &option_text, &driver, env!("CARGO_PKG_VERSION")];
         if let Some(Ok(kernels)) = self.cache.load(&origin).map(|code| self.load(code, names)) {
@@ -365,6 +360,12 @@ fn parameter_sizes(function: &CudaFunction) -> Vec<usize> {
     (0..).map_while(size).collect()
 }
 
+/// Options of the compiler: no contraction ever, line tables for profilers.
+fn options(architecture: &str) -> [String; 4] {
+    let architecture = format!("--gpu-architecture={architecture}");
+    [architecture, "--fmad=false".to_owned(), "--std=c++17".to_owned(), "--generate-line-info".to_owned()]
+}
+
 /// Machine code of a source.
 fn compile(source: &str, options: &[String]) -> Result<Vec<u8>, Error> {
     // SAFETY: loads the library and lets go of it.
@@ -433,5 +434,30 @@ fn refused(call: &'static str, error: DriverError, bytes: usize) -> Error {
     match error.0 {
         CUresult::CUDA_ERROR_OUT_OF_MEMORY => Error::OutOfMemory { bytes },
         _ => failed(call, error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::self_test::SOURCE;
+
+    #[test]
+    #[ignore = "needs the compiler of CUDA, but no device"]
+    fn the_compiler_makes_machine_code_and_tells_what_it_refuses() {
+        let options = options("sm_90");
+        let code = compile(&[PRELUDE, SOURCE].concat(), &options).unwrap();
+        assert_eq!(code[..4], *b"\x7fELF");
+        let Err(Error::Compile { log }) = compile("int f() { return no_such_name; }", &options) else {
+            panic!("it compiled");
+        };
+        assert!(log.contains("no_such_name"), "{log}");
+        let unknown = compile(SOURCE, &["--no-such-option".to_owned()]);
+        assert!(matches!(unknown, Err(Error::Call { call: "nvrtcCompileProgram", .. })), "{unknown:?}");
+    }
+    #[test]
+    fn a_panic_of_the_binding_is_an_error() {
+        let error = guarded::<()>(|| panic!("no library {}", 1));
+        assert_eq!(error, Err(Error::Missing { why: "no library 1".to_owned() }));
     }
 }
