@@ -293,15 +293,16 @@ fn devices() -> Result<Vec<Device>, Error> {
         CL_PLATFORM_NOT_FOUND_KHR => missing("OpenCL's loader knows no driver"),
         _ => failed("clGetPlatformIDs", error),
     })?;
-    let mut list = Vec::new();
+    let (mut list, mut refusal) = (Vec::new(), missing("no driver of OpenCL has a device"));
     for platform in platforms {
+        // A driver that fails must not hide the devices of the others.
         match platform.get_devices(CL_DEVICE_TYPE_ALL) {
             Ok(ids) => list.extend(ids.into_iter().map(Device::new)),
             Err(ClError(CL_DEVICE_NOT_FOUND)) => {}
-            Err(error) => return Err(failed("clGetDeviceIDs", error)),
+            Err(error) => refusal = failed("clGetDeviceIDs", error),
         }
     }
-    if list.is_empty() { Err(missing("no driver of OpenCL has a device")) } else { Ok(list) }
+    if list.is_empty() { Err(refusal) } else { Ok(list) }
 }
 
 fn listing(index: usize, device: Device) -> Result<Listing, ClError> {
