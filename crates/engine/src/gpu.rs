@@ -1,4 +1,4 @@
-//! GPUs through OpenCL and CUDA: one dialect of kernels, one trait [`runtime::Runtime`], two runtimes behind it.
+//! GPUs through OpenCL and CUDA: one dialect of kernels, and one trait with a runtime for each interface behind it.
 
 mod bodies;
 mod cuda;

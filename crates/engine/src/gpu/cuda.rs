@@ -33,14 +33,14 @@ pub(crate) struct Cuda {
 pub(crate) struct Memory {
     place: sys::CUdeviceptr,
     bytes: usize,
-    context: Arc<CudaContext>,
+    stream: Arc<CudaStream>,
 }
 
 impl Drop for Memory {
     fn drop(&mut self) {
-        // SAFETY: it came from `malloc_sync` in this context. The call waits for kernels that use it.
-        let freed = self.context.bind_to_thread().and_then(|()| unsafe { result::free_sync(self.place) });
-        self.context.record_err(freed);
+        // SAFETY: it came from `malloc_sync` in this context, and all that used it is done.
+        let freed = self.stream.synchronize().and_then(|()| unsafe { result::free_sync(self.place) });
+        self.stream.context().record_err(freed);
     }
 }
 
@@ -121,7 +121,7 @@ impl Cuda {
                     why: format!("CUDA has {count} devices here, so there is none of number {index}"),
                 });
             }
-            let context = CudaContext::new(index).map_err(|e| refused("cuDevicePrimaryCtxRetain", e, 0))?;
+            let context = CudaContext::new(index).map_err(|e| failed("cuDevicePrimaryCtxRetain", e))?;
             // SAFETY: there is one stream, and no memory is made through the binding.
             unsafe { context.disable_event_tracking() };
             let stream = context.new_stream().map_err(|e| failed("cuStreamCreate", e))?;
@@ -165,12 +165,7 @@ impl Runtime for Cuda {
 
     fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
         self.enter()?;
-        let options = [
-            format!("--gpu-architecture={}", self.architecture),
-            "--fmad=false".to_owned(),
-            "--std=c++17".to_owned(),
-            "--generate-line-info".to_owned(),
-        ];
+        let options = options(&self.architecture);
         let (driver, option_text) = (self.driver.to_string(), options.join(" "));
         let origin = [PRELUDE, source, &option_text, &driver, env!("CARGO_PKG_VERSION")];
         if let Some(Ok(kernels)) = self.cache.load(&origin).map(|code| self.load(code, names)) {
@@ -186,7 +181,7 @@ impl Runtime for Cuda {
         let bytes = bytes.max(1);
         // SAFETY: its content is undefined, as the trait says, and no host code reads it directly.
         let place = unsafe { result::malloc_sync(bytes) }.map_err(|e| refused("cuMemAlloc", e, bytes))?;
-        Ok(Memory { place, bytes, context: Arc::clone(&self.context) })
+        Ok(Memory { place, bytes, stream: Arc::clone(&self.stream) })
     }
 
     fn upload(&self, memory: &Memory, bytes: &[u8]) -> Result<(), Error> {
@@ -366,6 +361,12 @@ fn parameter_sizes(function: &CudaFunction) -> Vec<usize> {
     (0..).map_while(size).collect()
 }
 
+/// Options of the compiler: no contraction ever, line tables for profilers.
+fn options(architecture: &str) -> [String; 4] {
+    let architecture = format!("--gpu-architecture={architecture}");
+    [architecture, "--fmad=false".to_owned(), "--std=c++17".to_owned(), "--generate-line-info".to_owned()]
+}
+
 /// Machine code of a source.
 fn compile(source: &str, options: &[String]) -> Result<Vec<u8>, Error> {
     // SAFETY: loads the library and lets go of it.
@@ -434,5 +435,30 @@ fn refused(call: &'static str, error: DriverError, bytes: usize) -> Error {
     match error.0 {
         CUresult::CUDA_ERROR_OUT_OF_MEMORY => Error::OutOfMemory { bytes },
         _ => failed(call, error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::self_test::SOURCE;
+
+    #[test]
+    #[ignore = "needs the compiler of CUDA, but no device"]
+    fn the_compiler_makes_machine_code_and_tells_what_it_refuses() {
+        let options = options("sm_90");
+        let code = compile(&[PRELUDE, SOURCE].concat(), &options).unwrap();
+        assert_eq!(code[..4], *b"\x7fELF");
+        let Err(Error::Compile { log }) = compile("int f() { return no_such_name; }", &options) else {
+            panic!("it compiled");
+        };
+        assert!(log.contains("no_such_name"), "{log}");
+        let unknown = compile(SOURCE, &["--no-such-option".to_owned()]);
+        assert!(matches!(unknown, Err(Error::Call { call: "nvrtcCompileProgram", .. })), "{unknown:?}");
+    }
+    #[test]
+    fn a_panic_of_the_binding_is_an_error() {
+        let error = guarded::<()>(|| panic!("no library {}", 1));
+        assert_eq!(error, Err(Error::Missing { why: "no library 1".to_owned() }));
     }
 }

@@ -13,7 +13,7 @@ use opencl3::error_codes::{
     CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, CL_PLATFORM_NOT_FOUND_KHR, ClError, DLOPEN_RUNTIME_LOAD_FAILED,
 };
 use opencl3::event::Event;
-use opencl3::kernel::{Kernel, set_kernel_arg};
+use opencl3::kernel::set_kernel_arg;
 use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
 use opencl3::platform::get_platforms;
 use opencl3::program::Program;
@@ -43,6 +43,12 @@ impl Memory {
     fn alias(&self) -> ManuallyDrop<Buffer<u8>> {
         ManuallyDrop::new(Buffer::new(self.buffer.get()))
     }
+}
+
+/// A kernel and the number of its arguments.
+pub(crate) struct Kernel {
+    kernel: opencl3::kernel::Kernel,
+    arguments: usize,
 }
 
 /// A buffer in host memory that stays mapped; vendors pin it.
@@ -110,7 +116,7 @@ impl OpenCl {
         let list = devices()?;
         list.iter()
             .enumerate()
-            .map(|(index, device)| listing(index, device).map_err(|e| failed("clGetDeviceInfo", e)))
+            .map(|(index, device)| listing(index, *device).map_err(|e| failed("clGetDeviceInfo", e)))
             .collect()
     }
     /// The device of this number.
@@ -137,13 +143,20 @@ impl OpenCl {
         let flags = CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR;
         // SAFETY: no host pointer is given.
         let buffer = unsafe { Buffer::create(&self.context, flags, capacity, ptr::null_mut()) };
-        let mut buffer = buffer.map_err(|e| refused("clCreateBuffer", e, capacity))?;
+        let buffer = buffer.map_err(|e| no_room("clCreateBuffer", e, capacity))?;
         let mut start: cl_mem = ptr::null_mut();
         let flags = CL_MAP_READ | CL_MAP_WRITE;
         // SAFETY: the buffer has this size; the call waits, so the pointer is valid when it returns.
-        unsafe { self.mapping.enqueue_map_buffer(&mut buffer, CL_BLOCKING, flags, 0, capacity, &mut start, &[]) }
-            .map_err(|e| refused("clEnqueueMapBuffer", e, capacity))?;
+        unsafe { self.mapping.enqueue_map_buffer(&buffer, CL_BLOCKING, flags, 0, capacity, &mut start, &[]) }
+            .map_err(|e| no_room("clEnqueueMapBuffer", e, capacity))?;
         Ok(Mapped { buffer, bytes: start.cast(), capacity, queue: Arc::clone(&self.mapping) })
+    }
+    /// Fills the first `bytes`, at least one, with zeros.
+    fn fill(&self, memory: &Memory, bytes: usize) -> Result<(), ClError> {
+        // Wide patterns are filled faster; a pattern must fit a whole number of times.
+        let width = 1 << bytes.trailing_zeros().min(4);
+        // SAFETY: the pattern is copied by the call, which checks the size of the buffer.
+        unsafe { self.queue.enqueue_fill_buffer(&mut memory.alias(), &[0_u8; 16][..width], 0, bytes, &[]) }.map(drop)
     }
 }
 
@@ -153,7 +166,7 @@ impl Runtime for OpenCl {
     type Fetch = Transfer;
 
     fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
-        let mut program = Program::create_from_source(&self.context, &format!("{PRELUDE}\n{source}"))
+        let mut program = Program::create_from_source(&self.context, &[PRELUDE, source].concat())
             .map_err(|e| failed("clCreateProgramWithSource", e))?;
         program.build(self.context.devices(), "-cl-std=CL1.2").map_err(|error| match error {
             ClError(CL_BUILD_PROGRAM_FAILURE) => Error::Compile {
@@ -162,8 +175,10 @@ impl Runtime for OpenCl {
             error => failed("clBuildProgram", error),
         })?;
         let kernel = |name: &&'static str| {
-            Kernel::create(&program, name)
-                .map_err(|e| Error::Call { call: "clCreateKernel", message: format!("{e} ({name})") })
+            let refusal = |e| Error::Call { call: "clCreateKernel", message: format!("{e} ({name})") };
+            let kernel = opencl3::kernel::Kernel::create(&program, name).map_err(refusal)?;
+            let arguments = kernel.num_args().map_err(|e| failed("clGetKernelInfo", e))? as usize;
+            Ok(Kernel { kernel, arguments })
         };
         names.iter().map(kernel).collect()
     }
@@ -171,12 +186,9 @@ impl Runtime for OpenCl {
     fn allocate(&self, bytes: usize) -> Result<Memory, Error> {
         // SAFETY: no host pointer is given.
         let buffer = unsafe { Buffer::create(&self.context, CL_MEM_READ_WRITE, bytes.max(1), ptr::null_mut()) };
-        let memory = Memory { buffer: buffer.map_err(|e| refused("clCreateBuffer", e, bytes))? };
+        let memory = Memory { buffer: buffer.map_err(|e| no_room("clCreateBuffer", e, bytes))? };
         // Some vendors give out memory at its first use: that must fail here, not in a kernel.
-        self.clear(&memory, 1).map_err(|error| match error {
-            Error::OutOfMemory { .. } => Error::OutOfMemory { bytes },
-            error => error,
-        })?;
+        self.fill(&memory, 1).map_err(|e| no_room("clEnqueueFillBuffer", e, bytes))?;
         Ok(memory)
     }
 
@@ -194,12 +206,7 @@ impl Runtime for OpenCl {
         if bytes == 0 {
             return Ok(());
         }
-        // Wide patterns are filled faster; a pattern must fit a whole number of times.
-        let width = 1 << bytes.trailing_zeros().min(4);
-        // SAFETY: the pattern is copied by the call, which checks the size of the buffer.
-        unsafe { self.queue.enqueue_fill_buffer(&mut memory.alias(), &[0_u8; 16][..width], 0, bytes, &[]) }
-            .map_err(|e| refused("clEnqueueFillBuffer", e, bytes))?;
-        Ok(())
+        self.fill(memory, bytes).map_err(|e| refused("clEnqueueFillBuffer", e, bytes))
     }
 
     fn copy(&self, from: &Memory, to: &Memory, bytes: usize) -> Result<(), Error> {
@@ -222,21 +229,34 @@ impl Runtime for OpenCl {
         if groups == 0 {
             return Ok(());
         }
-        for (index, argument) in arguments.iter().enumerate() {
-            // SAFETY: the call checks index and size against the kernel, and copies the value.
-            match argument {
-                Argument::Memory(memory) => unsafe { kernel.set_arg(index as u32, &memory.buffer.get()) },
-                Argument::Value(value) => {
-                    unsafe { set_kernel_arg(kernel.get(), index as u32, value.len(), value.as_ptr().cast()) }
-                        .map_err(ClError)
-                }
-            }
-            .map_err(|e| Error::Call { call: "clSetKernelArg", message: format!("{e} (argument {index})") })?;
+        let Kernel { kernel, arguments: expected } = kernel;
+        if arguments.len() != *expected {
+            let message = format!("{} arguments, the kernel expects {expected}", arguments.len());
+            return Err(Error::Call { call: "clSetKernelArg", message });
         }
+        for (index, argument) in arguments.iter().enumerate() {
+            let buffer;
+            let (size, value) = match argument {
+                Argument::Memory(memory) => {
+                    buffer = memory.buffer.get();
+                    (size_of_val(&buffer), (&raw const buffer).cast())
+                }
+                Argument::Value(value) => (value.len(), value.as_ptr().cast()),
+            };
+            // SAFETY: there is an argument of this number, and its value is copied by the call. That it has the size
+            // that the kernel's source gives it is checked by most drivers.
+            unsafe { set_kernel_arg(kernel.get(), index as u32, size, value) }.map_err(|code| Error::Call {
+                call: "clSetKernelArg",
+                message: format!("{} (argument {index})", ClError(code)),
+            })?;
+        }
+        let total = groups * size;
         // SAFETY: one dimension, as both sizes; all arguments are set. What the kernel does with its buffers is the
         // business of its source.
-        unsafe { self.queue.enqueue_nd_range_kernel(kernel.get(), 1, ptr::null(), &(groups * size), &size, &[]) }
-            .map_err(|e| failed("clEnqueueNDRangeKernel", e))?;
+        unsafe {
+            self.queue.enqueue_nd_range_kernel(kernel.get(), 1, ptr::null(), &raw const total, &raw const size, &[])
+        }
+        .map_err(|e| failed("clEnqueueNDRangeKernel", e))?;
         Ok(())
     }
 
@@ -273,18 +293,19 @@ fn devices() -> Result<Vec<Device>, Error> {
         CL_PLATFORM_NOT_FOUND_KHR => missing("OpenCL's loader knows no driver"),
         _ => failed("clGetPlatformIDs", error),
     })?;
-    let mut list = Vec::new();
+    let (mut list, mut refusal) = (Vec::new(), missing("no driver of OpenCL has a device"));
     for platform in platforms {
+        // A driver that fails must not hide the devices of the others.
         match platform.get_devices(CL_DEVICE_TYPE_ALL) {
             Ok(ids) => list.extend(ids.into_iter().map(Device::new)),
             Err(ClError(CL_DEVICE_NOT_FOUND)) => {}
-            Err(error) => return Err(failed("clGetDeviceIDs", error)),
+            Err(error) => refusal = failed("clGetDeviceIDs", error),
         }
     }
-    if list.is_empty() { Err(missing("no driver of OpenCL has a device")) } else { Ok(list) }
+    if list.is_empty() { Err(refusal) } else { Ok(list) }
 }
 
-fn listing(index: usize, device: &Device) -> Result<Listing, ClError> {
+fn listing(index: usize, device: Device) -> Result<Listing, ClError> {
     let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
     Ok(Listing {
         api: Api::OpenCl,
@@ -300,13 +321,20 @@ fn listing(index: usize, device: &Device) -> Result<Listing, ClError> {
 }
 
 fn failed(call: &'static str, error: ClError) -> Error {
-    Error::Call { call, message: error.to_string() }
+    Error::Call { call, message: error.into() }
 }
 
-/// A refusal of a call that may need memory. `CL_OUT_OF_RESOURCES` is what vendors say of a lost device, too, but not
-/// when they are asked for memory.
+/// A refusal of a call that may need memory.
 fn refused(call: &'static str, error: ClError, bytes: usize) -> Error {
-    let of_memory =
-        [CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY, CL_OUT_OF_RESOURCES, CL_INVALID_BUFFER_SIZE];
-    if of_memory.contains(&error.0) { Error::OutOfMemory { bytes } } else { failed(call, error) }
+    match error.0 {
+        CL_MEM_OBJECT_ALLOCATION_FAILURE | CL_OUT_OF_HOST_MEMORY | CL_INVALID_BUFFER_SIZE => {
+            Error::OutOfMemory { bytes }
+        }
+        _ => failed(call, error),
+    }
+}
+
+/// A refusal of new memory. `CL_OUT_OF_RESOURCES` may then mean that, elsewhere it is what a lost device answers.
+fn no_room(call: &'static str, error: ClError, bytes: usize) -> Error {
+    if error.0 == CL_OUT_OF_RESOURCES { Error::OutOfMemory { bytes } } else { refused(call, error, bytes) }
 }
