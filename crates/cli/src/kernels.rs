@@ -19,6 +19,6 @@ pub(crate) struct Arguments {
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let built = build(&load(&arguments.case, &arguments.set)?)?;
-    data(tdem_engine::gpu::source(&built.plan).trim_end())?;
+    data(tdem_engine::gpu::source(&built.state, &built.plan).trim_end())?;
     Ok(ExitCode::SUCCESS)
 }

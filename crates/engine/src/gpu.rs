@@ -29,10 +29,10 @@ use crate::{Capture, Fault, Plan, State};
 use run::Gpu;
 use runtime::Runtime;
 
-/// All that a device's compiler is given for a run under this plan: the dialect, the printed laws, the kernels.
+/// All that a device's compiler is given for a run from this state: the dialect, the printed laws, the kernels.
 #[must_use]
-pub fn source(plan: &Plan) -> String {
-    format!("{PRELUDE}\n{}", program::Variant::of(plan).source())
+pub fn source(state: &State, plan: &Plan) -> String {
+    format!("{PRELUDE}\n{}", program::Variant::of(plan, state).source())
 }
 
 /// A back end on a device that holds a validated state.

@@ -2,6 +2,7 @@
 
 use super::layout::{Box3, Constraint, Pair, Step, Vector, Wall};
 use super::memory::{Buffer, Queue};
+use super::program::only_interaction;
 use super::runtime::{Error, Runtime};
 use crate::cpu::Quad;
 use crate::{Plan, State};
@@ -138,8 +139,9 @@ impl<M> Constants<M> {
     }
 }
 
-/// What the kernels of a step are told under a plan.
-pub(super) fn step_record(plan: &Plan, particles: usize) -> Step {
+/// What the kernels of a step are told.
+pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
+    let particles = state.len();
     let half_skin = 0.5 * plan.search.skin;
     let period = plan.domain.period();
     // Bounds of directions that repeat are not a limit: a centre is brought back in before it is looked at.
@@ -154,7 +156,7 @@ pub(super) fn step_record(plan: &Plan, particles: usize) -> Step {
         domain_min: Vector(plan.domain.min),
         domain_max: Vector(plan.domain.max),
         period: Box3::from(&period),
-        pair: plan.interactions.first().map(Pair::from).unwrap_or_default(),
+        pair: only_interaction(plan, state).map(Pair::from).unwrap_or_default(),
         particles: particles as u32,
         walls: plan.walls.len() as u32,
         items: particles.max(plan.walls.len()) as u32,

@@ -105,9 +105,6 @@ impl<R: Runtime> Queue<R> {
     pub(crate) fn flush(&self) -> Result<(), Error> {
         self.runtime.flush()
     }
-    pub(crate) fn wait(&self) -> Result<(), Error> {
-        self.runtime.wait()
-    }
 }
 
 /// Values on their way to the host.

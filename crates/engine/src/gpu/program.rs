@@ -1,9 +1,9 @@
 //! The kernels of a run: the printed laws and the skeletons around them, in one text.
 
 use super::layout;
-use crate::{Integrator, Plan};
+use crate::{Integrator, Plan, State};
 use std::fmt::Write;
-use tdem_physics::contact::Friction;
+use tdem_physics::contact::{Friction, Interaction};
 use tdem_physics::print;
 
 /// What is decided when the kernels are built.
@@ -15,19 +15,39 @@ pub(crate) struct Variant {
     pub(crate) periodic: bool,
     /// Whether components of motion are prescribed for any particle.
     pub(crate) constrained: bool,
-    /// Whether there is but one material.
+    /// Whether all contacts have the same parameters.
     pub(crate) one_pair: bool,
+    /// Whether all particles have the same radius and mass.
+    pub(crate) one_size: bool,
+}
+
+/// The parameters of all contacts that particles of this state can have, if they are the same for all.
+pub(crate) fn only_interaction<'a>(plan: &'a Plan, state: &State) -> Option<&'a Interaction<f64>> {
+    let mut present = vec![false; plan.materials];
+    for &material in &state.material {
+        present[usize::from(material)] = true;
+    }
+    let present: Vec<u16> = (0..plan.materials as u16).filter(|&m| present[usize::from(m)]).collect();
+    let partners = present.iter().copied().chain(plan.walls.iter().map(|wall| wall.material));
+    let mut all = partners.flat_map(|b| present.iter().map(move |&a| plan.interaction(a, b)));
+    let first = all.next()?;
+    all.all(|other| other == first).then_some(first)
+}
+
+fn alike(values: &[f64]) -> bool {
+    values.iter().all(|&value| value == values[0])
 }
 
 impl Variant {
-    pub(crate) fn of(plan: &Plan) -> Self {
+    pub(crate) fn of(plan: &Plan, state: &State) -> Self {
         Variant {
             law: plan.law,
             gear: plan.integrator == Integrator::Gear,
             ledger: plan.ledger,
             periodic: plan.domain.period().any(),
             constrained: plan.constraints.len() > 1,
-            one_pair: plan.materials == 1,
+            one_pair: only_interaction(plan, state).is_some(),
+            one_size: alike(&state.radius) && alike(&state.mass),
         }
     }
     /// Whether a step is one kernel.
@@ -52,6 +72,7 @@ impl Variant {
             ("PERIODIC", self.periodic),
             ("CONSTRAINED", self.constrained),
             ("ONE_PAIR", self.one_pair),
+            ("ONE_SIZE", self.one_size),
         ];
         for (name, on) in switches {
             let _ = writeln!(text, "#define {name} {}", u8::from(on));

@@ -57,7 +57,7 @@ pub(crate) struct Gpu<R: Runtime> {
 impl<R: Runtime> Gpu<R> {
     /// Takes a validated state up.
     pub(crate) fn new(runtime: R, state: State, plan: &Plan) -> Result<Self, Fault> {
-        let variant = Variant::of(plan);
+        let variant = Variant::of(plan, &state);
         let queue = Queue::new(runtime, &variant.source(), &variant.kernels())?;
         let n = state.len();
         let friction = plan.law.friction != Friction::Off;
@@ -78,7 +78,7 @@ impl<R: Runtime> Gpu<R> {
             scratch: Scratch::new(&queue, &fields)?,
             fields,
             status: queue.zeros(STATUS)?,
-            step_record: step_record(plan, n),
+            step_record: step_record(plan, &state),
             fused: variant.fused(),
             searches: 0,
             step_way: if plan.ledger { speed_squared.sqrt() * plan.dt } else { 0.0 },

@@ -6,6 +6,16 @@
 #define INTERACTION(first, second)  interactions[(first) * step.materials + (second)]
 #endif
 
+// Where all particles are alike, a partner is as large and heavy as the particle itself: what follows from that is
+// computed once for all partners.
+#if ONE_SIZE
+#define RADIUS_OF_PARTNER(place)  body.radius
+#define MASS_OF_PARTNER(motion)   body.mass
+#else
+#define RADIUS_OF_PARTNER(place)  (place).w
+#define MASS_OF_PARTNER(motion)   (motion).w
+#endif
+
 // What a particle feels. The row's order is the order of the sum: higher ranks, lower ranks, walls.
 DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
                         GLOBAL const Quad *RESTRICT place, GLOBAL const Quad *RESTRICT motion,
@@ -40,8 +50,13 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
         if (j >= step.particles)
             break;
         const Quad x = LOAD(place, j);
+#if FRICTION
+        if (k + 1u < end)
+            will_read_displacement(displacement, k + 1u, i);
+#endif
+        const real radius = RADIUS_OF_PARTNER(x);
         Touch touch;
-        touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + x.w, &touch);
+        touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + radius, &touch);
         if (touch.overlap > 0.0) {
             const Quad v = LOAD(motion, j);
 #if MOMENTS
@@ -49,7 +64,9 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #else
             const Quad w = QUAD(0.0, 0.0, 0.0, 0.0);
 #endif
-            const Sphere partner = sphere(x, v, w);
+            Sphere partner = sphere(x, v, w);
+            partner.radius = radius;
+            partner.mass = MASS_OF_PARTNER(v);
             Vec3 kept = zero();
 #if FRICTION
             if (entry & TOUCHING)
@@ -60,7 +77,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             lever_arm(body.radius, touch.overlap, &arm);
 #if LEDGER && !GEAR
             real partner_arm;
-            lever_arm(x.w, touch.overlap, &partner_arm);
+            lever_arm(radius, touch.overlap, &partner_arm);
             Kick mine, theirs;
             mine.velocity = my_kick;
             mine.rolling = times(my_twist, arm);
@@ -85,7 +102,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
             if (!(entry & TOUCHING))
                 other[SLOT(k, i)] = j | TOUCHING;
-            if (touch.overlap > step.overlap_limit * (body.radius + x.w))
+            if (touch.overlap > step.overlap_limit * (body.radius + radius))
                 flags |= CRUSHED;
 #if LEDGER
             if (my_rank < rank[j]) {

@@ -56,6 +56,14 @@ DEVICE void keep_displacement(GLOBAL real *RESTRICT displacement, const u32 k, c
     displacement[DISPLACEMENT(k, 2, i)] = v.z;
 }
 
+// A row's displacements are read once per step, far from each other: the next is asked for while one is worked on.
+DEVICE void will_read_displacement(GLOBAL const real *RESTRICT displacement, const u32 k, const u32 i)
+{
+    WILL_READ(displacement + DISPLACEMENT(k, 0, i));
+    WILL_READ(displacement + DISPLACEMENT(k, 1, i));
+    WILL_READ(displacement + DISPLACEMENT(k, 2, i));
+}
+
 // Fields of several numbers per particle stand in planes of one number each.
 #define PLANE(c, i)  ((size_t)(c) * step.particles + (i))
 

@@ -33,6 +33,9 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
     return QUAD(low.x, low.y, high.x, high.y);
 }
 
+// Asks for a word that will be read soon.
+#define WILL_READ(p) asm volatile("prefetch.global.L2 [%0];" ::"l"(p))
+
 #define GROUP_INDEX ((u32)blockIdx.x)
 #define LOCAL_INDEX ((u32)threadIdx.x)
 #define GROUP_COUNT ((u32)gridDim.x)
@@ -69,6 +72,12 @@ typedef double4 Quad;
 
 #define QUAD(x, y, z, w) ((Quad)((x), (y), (z), (w)))
 #define LOAD(p, i) ((p)[i])
+// NVIDIA's compiler drops the built-in.
+#ifdef __NV_CL_C_VERSION
+#define WILL_READ(p) asm volatile("prefetch.global.L2 [%0];" ::"l"(p))
+#else
+#define WILL_READ(p) prefetch((p), 1)
+#endif
 
 #define GROUP_INDEX ((u32)get_group_id(0))
 #define LOCAL_INDEX ((u32)get_local_id(0))
