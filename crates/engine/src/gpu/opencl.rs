@@ -21,7 +21,7 @@ use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING, cl_mem};
 use std::mem::ManuallyDrop;
 use std::ptr;
 use std::slice;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A device of OpenCL with one queue that keeps its order.
 pub(crate) struct OpenCl {
@@ -287,6 +287,9 @@ impl Runtime for OpenCl {
 
 /// All devices of all platforms, in the order of the loader.
 fn devices() -> Result<Vec<Device>, Error> {
+    /// Drivers initialise themselves when they are first asked, and not all can be asked twice at a time.
+    static ASKING: Mutex<()> = Mutex::new(());
+    let _asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
     let missing = |why: &str| Error::Missing { why: why.to_owned() };
     let platforms = get_platforms().map_err(|error| match error.0 {
         DLOPEN_RUNTIME_LOAD_FAILED => missing("the loader of OpenCL (libOpenCL) was not found"),
