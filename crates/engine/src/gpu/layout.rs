@@ -331,12 +331,12 @@ kernels! {
     /// See `kernels/search.cl`.
     rows_count as RowsCount(128, 4) {
         search: value Search, levels: read Level, cell_start: read u32, place: read Quad,
-        walls: read Wall, wall_place: read Quad, slice_length: write u32,
+        walls: read Wall, wall_place: read Quad, slice_length: write u32, known_low: write u32, known_high: write u32,
     }
     /// See `kernels/search.cl`.
     rows_fill as RowsFill(128, 4) {
         search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
-        walls: read Wall, wall_place: read Quad, starts: read u32, partners: read u32, remembered: read f64,
+        known_low: read u32, known_high: read u32, walls: read Wall, wall_place: read Quad, starts: read u32, partners: read u32, remembered: read f64,
         slice: read u32, other: write u32, displacement: write f64, reference: write f64, wall_reference: write Quad,
     }
 }

@@ -43,7 +43,9 @@ pub(super) struct Histories<M> {
 
 /// Room for a search.
 pub(super) struct Scratch<M> {
+    /// Then half of the bits that say which candidates are neighbours.
     cell_of: Buffer<u32, M>,
+    /// Then the other half.
     place_in_cell: Buffer<u32, M>,
     order: Buffer<u32, M>,
     cell_start: Buffer<u32, M>,
@@ -224,6 +226,8 @@ impl<R: Runtime> Gpu<R> {
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
                 slice_length: &rows.slice,
+                known_low: &scratch.cell_of,
+                known_high: &scratch.place_in_cell,
             },
             n,
         )?;
@@ -243,6 +247,8 @@ impl<R: Runtime> Gpu<R> {
                 cell_start: &scratch.cell_start,
                 place: &half.place,
                 rank: &self.fields.rank,
+                known_low: &scratch.cell_of,
+                known_high: &scratch.place_in_cell,
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
                 starts: &self.histories.starts,

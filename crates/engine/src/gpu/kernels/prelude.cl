@@ -46,6 +46,8 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
 #define ATOMIC_MAX(p, v) atomicMax((p), (u32)(v))
 #define BITS_OF(x) ((u64)__double_as_longlong(x))
 #define FLOAT_BITS(x) ((u32)__float_as_uint(x))
+// Place of the lowest bit that is set, of 64.
+#define LOWEST_BIT(x) ((u32)(__ffsll((long long)(x)) - 1))
 #ifndef INFINITY
 #define INFINITY __longlong_as_double(0x7ff0000000000000LL)
 #endif
@@ -89,6 +91,7 @@ typedef double4 Quad;
 #define ATOMIC_MAX(p, v) atomic_max((p), (u32)(v))
 #define BITS_OF(x) as_ulong((double)(x))
 #define FLOAT_BITS(x) as_uint((float)(x))
+#define LOWEST_BIT(x) ((u32)(63u - clz((u64)(x) & (~(u64)(x) + 1u))))
 
 #endif
 

@@ -190,8 +190,9 @@ DEVICE u32 wrapped(const i32 cell, const u32 cells)
     return (u32)(cell < 0 ? cell + (i32)cells : cell >= (i32)cells ? cell - (i32)cells : cell);
 }
 
-// The walk over all candidates of a particle; VISIT(j) is expanded for each.
-#define AROUND(VISIT)                                                                                                  \
+// The walk over all candidates of a particle: RUN(first, stop) is expanded for each run of particles in cells side by
+// side along x.
+#define AROUND(RUN)                                                                                                    \
     for (u32 l = 0; l < search.levels; ++l) {                                                                          \
         const Level level = levels[l];                                                                                 \
         const real reach = 1.0000001 * (x.w + level.largest + search.skin);                                            \
@@ -207,21 +208,21 @@ DEVICE u32 wrapped(const i32 cell, const u32 cells)
                 const u32 row = cell_number(level, 0, wrapped(from_y + (i32)cy, level.cells_y),                        \
                                             wrapped(from_z + (i32)cz, level.cells_z));                                 \
                 for (u32 cx = 0; cx < many_x;) {                                                                       \
-                    /* Cells side by side along x are one run of particles, up to the seam. */                         \
+                    /* At the seam of a direction that repeats, a run ends. */                                         \
                     const u32 cell = wrapped(from_x + (i32)cx, level.cells_x);                                         \
                     const u32 left = many_x - cx, room = level.cells_x - cell;                                         \
                     const u32 run = left < room ? left : room;                                                         \
-                    const u32 stop = cell_start[row + cell + run];                                                     \
-                    for (u32 j = cell_start[row + cell]; j < stop; ++j)                                                \
-                        if (j != i && near(search, x, LOAD(place, j))) {                                               \
-                            VISIT(j)                                                                                   \
-                        }                                                                                              \
+                    RUN(cell_start[row + cell], cell_start[row + cell + run])                                          \
                     cx += run;                                                                                         \
                 }                                                                                                      \
             }                                                                                                          \
     }
 
-// The length of each slice is that of its longest row.
+// The length of each slice is that of its longest row. Which of the candidates are neighbours is noted, a bit for each;
+// a particle with more candidates than bits is looked at again when rows are filled.
+#define CANDIDATES  64u
+#define LOOK_AGAIN  0xffffffffu
+
 kernel rows_count
 {
     LOCAL u32 length[128];
@@ -230,8 +231,19 @@ kernel rows_count
     u32 entries = 0;
     if (i < search.particles) {
         const Quad x = LOAD(place, i);
-#define COUNT(j) ++entries;
+        u64 known = 0;
+        u32 candidate = 0;
+#define COUNT(first, stop)                                                                                             \
+        for (u32 j = first, end = stop; j < end; ++j, ++candidate)                                                     \
+            if (j != i && near(search, x, LOAD(place, j))) {                                                           \
+                ++entries;                                                                                             \
+                if (candidate < CANDIDATES)                                                                            \
+                    known |= (u64)1 << candidate;                                                                      \
+            }
         AROUND(COUNT)
+        const u32 again = candidate > CANDIDATES;
+        known_low[i] = again ? LOOK_AGAIN : (u32)known;
+        known_high[i] = again ? LOOK_AGAIN : (u32)(known >> 32);
         for (u32 w = 0; w < search.walls; ++w)
             if (near_wall(search, x, walls[w], wall_place[w]))
                 ++entries;
@@ -257,20 +269,46 @@ kernel rows_fill
         const Quad x = LOAD(place, i);
         const u32 mine = rank[i];
         const u32 start = slice[i / SLICE], end = slice[i / SLICE + 1u];
+        const u64 known = (u64)known_low[i] | (u64)known_high[i] << 32;
+        const u32 again = known_low[i] == LOOK_AGAIN && known_high[i] == LOOK_AGAIN;
         u32 last = start;
-        // Higher ranks first, then lower ones, each in their order: that of the difference, if it goes round.
+        // Higher ranks first, then lower ones, each part in its order. A neighbour mostly belongs behind those before it.
+        for (u32 lower = 0; lower < 2u; ++lower) {
+            const u32 part = last;
+            u32 candidate = 0;
 #define INSERT(j)                                                                                                      \
-        {                                                                                                              \
-            const u32 key = rank[j] - mine;                                                                            \
-            u32 to = last;                                                                                             \
-            while (to > start && rank[other[SLOT(to - 1u, i)]] - mine > key) {                                         \
-                other[SLOT(to, i)] = other[SLOT(to - 1u, i)];                                                          \
-                --to;                                                                                                  \
-            }                                                                                                          \
-            other[SLOT(to, i)] = j;                                                                                    \
-            ++last;                                                                                                    \
+            {                                                                                                          \
+                const u32 theirs = rank[j];                                                                            \
+                if ((theirs < mine) == lower) {                                                                        \
+                    u32 to = last;                                                                                     \
+                    while (to > part && rank[other[SLOT(to - 1u, i)]] > theirs) {                                      \
+                        other[SLOT(to, i)] = other[SLOT(to - 1u, i)];                                                  \
+                        --to;                                                                                          \
+                    }                                                                                                  \
+                    other[SLOT(to, i)] = j;                                                                            \
+                    ++last;                                                                                            \
+                }                                                                                                      \
+            }
+#define FILL(first, stop)                                                                                              \
+            {                                                                                                          \
+                const u32 from = first, length = stop - from;                                                          \
+                if (again) {                                                                                           \
+                    for (u32 j = from; j < from + length; ++j)                                                         \
+                        if (j != i && near(search, x, LOAD(place, j)))                                                 \
+                            INSERT(j)                                                                                  \
+                } else if (length > 0u) {                                                                              \
+                    u64 bits = known >> candidate;                                                                     \
+                    if (length < CANDIDATES)                                                                           \
+                        bits &= ((u64)1 << length) - 1u;                                                               \
+                    for (; bits; bits &= bits - 1u) {                                                                  \
+                        const u32 j = from + LOWEST_BIT(bits);                                                         \
+                        INSERT(j)                                                                                      \
+                    }                                                                                                  \
+                    candidate += length;                                                                               \
+                }                                                                                                      \
+            }
+            AROUND(FILL)
         }
-        AROUND(INSERT)
         const u32 neighbours = last;
         for (u32 w = 0; w < search.walls; ++w)
             if (near_wall(search, x, walls[w], wall_place[w])) {
