@@ -280,6 +280,14 @@ kernels! {
         derivatives: write f64, kind: read u32, constraints: read Constraint,
     }
     /// See `kernels/fused.cl`.
+    correct_predict as CorrectPredict(128, 4) {
+        step: value Step, status: shared u32,
+        place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
+        derivatives: write f64, image: write i32, kind: read u32, constraints: read Constraint, reference: read f64,
+        walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
+        kick_by_half: write Quad, twist_by_half: write Quad,
+    }
+    /// See `kernels/fused.cl`.
     fused as Fused(128, 4) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad,
@@ -336,7 +344,8 @@ kernels! {
     /// See `kernels/search.cl`.
     rows_fill as RowsFill(128, 4) {
         search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
-        known_low: read u32, known_high: read u32, walls: read Wall, wall_place: read Quad, starts: read u32, partners: read u32, remembered: read f64,
+        known_low: read u32, known_high: read u32, walls: read Wall, wall_place: read Quad,
+        order: read u32, starts: read u32, partners: read u32, remembered: read f64,
         slice: read u32, other: write u32, displacement: write f64, reference: write f64, wall_reference: write Quad,
     }
 }

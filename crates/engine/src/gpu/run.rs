@@ -4,7 +4,7 @@
 //! batches of steps, looks at the status behind each, and only then lists anew or tells the fault.
 
 use super::bodies::{Constants, Fields, Half, step_record, unpaired};
-use super::layout::{Contact, Correct, Fused, Predict, Step};
+use super::layout::{Contact, Correct, CorrectPredict, Fused, Predict, Step};
 use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
@@ -211,14 +211,40 @@ impl<R: Runtime> Gpu<R> {
         )
     }
 
+    fn launch_correct_predict(&mut self) -> Result<(), Error> {
+        let step = self.next_step();
+        let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        self.queue.run(
+            &CorrectPredict {
+                step,
+                status: &self.status,
+                place: &half.place,
+                motion: &half.motion,
+                spin: &half.spin,
+                force: &free.place,
+                moment: &free.spin,
+                derivatives: &fields.derivatives,
+                image: &fields.image,
+                kind: &fields.kind,
+                constraints: &self.constants.constraints,
+                reference: &self.rows.reference,
+                walls: &self.constants.walls,
+                wall_place: &half.wall_place,
+                wall_reference: &self.rows.wall_reference,
+                kick_by_half: &fields.kick_by_half,
+                twist_by_half: &fields.twist_by_half,
+            },
+            step.items as usize,
+        )
+    }
+
     /// From one prediction to the next, or to the end of the last step.
     fn launch_step(&mut self, last: bool) -> Result<(), Error> {
         if self.fused && !last {
             return self.launch_fused();
         }
         self.launch_contact()?;
-        self.launch_correct()?;
-        if last { Ok(()) } else { self.launch_predict() }
+        if last { self.launch_correct() } else { self.launch_correct_predict() }
     }
 
     fn launch_contact(&mut self) -> Result<(), Error> {

@@ -32,7 +32,7 @@ pub(super) struct Rows<M> {
     pub(super) wall_reference: Buffer<Quad, M>,
 }
 
-/// What touching pairs remember, in the order of ranks, see `kernels/history.cl`.
+/// What touching pairs remember, in the order of the particles when it was put aside, see `kernels/history.cl`.
 pub(super) struct Histories<M> {
     /// `(N + 1)`.
     pub(super) starts: Buffer<u32, M>,
@@ -251,6 +251,7 @@ impl<R: Runtime> Gpu<R> {
                 known_high: &scratch.place_in_cell,
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
+                order: &scratch.order,
                 starts: &self.histories.starts,
                 partners: &self.histories.partners,
                 remembered: &self.histories.remembered,

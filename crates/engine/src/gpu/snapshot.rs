@@ -72,7 +72,7 @@ impl<R: Runtime> Moment<R> {
         let (spin, moment) = (self.spin.take()?, self.moment.take()?);
         let (image, derivatives, accounts) = (self.image.take()?, self.derivatives.take()?, self.accounts.take()?);
         let (contacts, wall_contacts) =
-            contacts(&self.ids, &self.starts.take()?, &self.partners.take()?, &self.remembered.take()?);
+            contacts(&self.ids, &at, &self.starts.take()?, &self.partners.take()?, &self.remembered.take()?);
         Ok(State {
             step: self.step,
             forces_known: true,
@@ -111,12 +111,18 @@ impl<R: Runtime> Moment<R> {
     }
 }
 
-/// Touching pairs and walls, from what was put aside in the order of ranks.
-fn contacts(ids: &[u32], starts: &[u32], partners: &[u32], remembered: &[f64]) -> (Vec<Contact>, Vec<WallContact>) {
+/// Touching pairs and walls, from what was put aside in the working order; `at` is where a rank stands in it.
+fn contacts(
+    ids: &[u32],
+    at: &[usize],
+    starts: &[u32],
+    partners: &[u32],
+    remembered: &[f64],
+) -> (Vec<Contact>, Vec<WallContact>) {
     let n = ids.len();
     let (mut pairs, mut walls) = (Vec::with_capacity(partners.len()), Vec::new());
     for rank in 0..n {
-        for at in starts[rank] as usize..starts[rank + 1] as usize {
+        for at in starts[at[rank]] as usize..starts[at[rank] + 1] as usize {
             let displacement = remembered.get(3 * at..3 * at + 3).map_or([0.0; 3], |kept| [kept[0], kept[1], kept[2]]);
             let partner = partners[at] as usize;
             if partner < n {

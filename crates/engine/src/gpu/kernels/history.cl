@@ -1,5 +1,5 @@
-// What touching pairs remember, put aside in the order of ranks: the form that survives a new order of the particles
-// and a new list. Each pair stands once, with its lower rank; a wall stands behind all ranks.
+// What touching pairs remember, put aside in the order of the particles before they are put in a new one. Each pair
+// stands once, with its lower rank, and names the higher one; a wall stands behind all ranks.
 
 // Whether the row's particle keeps this slot, and under which number.
 DEVICE u32 partner_kept(const u32 particles, const u32 entry, const u32 mine, GLOBAL const u32 *RESTRICT rank)
@@ -20,7 +20,7 @@ kernel history_count
         for (u32 k = slice[i / SLICE]; k < slice[i / SLICE + 1u]; ++k)
             if (partner_kept(particles, other[SLOT(k, i)], mine, rank) != NOBODY)
                 ++kept;
-        counts[mine] = kept;
+        counts[i] = kept;
     }
 }
 
@@ -28,7 +28,7 @@ kernel history_write
 {
     FOR_EACH(i, particles) {
         const u32 mine = rank[i];
-        u32 at = starts[mine];
+        u32 at = starts[i];
         for (u32 k = slice[i / SLICE]; k < slice[i / SLICE + 1u]; ++k) {
             const u32 partner = partner_kept(particles, other[SLOT(k, i)], mine, rank);
             if (partner != NOBODY) {

@@ -315,9 +315,10 @@ kernel rows_fill
                 other[SLOT(last, i)] = search.particles + w;
                 ++last;
             }
-        // Mine stand in the order of my row; those of lower ranks are looked up at theirs.
-        u32 at = search.histories ? starts[mine] : 0u;
-        const u32 stop = search.histories ? starts[mine + 1u] : 0u;
+        // Mine stand in the order of my row; those of lower ranks are looked up at theirs, where they stood before.
+        const u32 before = order[i];
+        u32 at = search.histories ? starts[before] : 0u;
+        const u32 stop = search.histories ? starts[before + 1u] : 0u;
         for (u32 k = start; search.histories && k < last; ++k) {
             const u32 j = other[SLOT(k, i)];
             const u32 partner = k < neighbours ? rank[j] : j;
@@ -335,7 +336,8 @@ kernel rows_fill
                         }
             } else {
                 sign = -1.0;
-                for (u32 t = starts[partner]; t < starts[partner + 1u]; ++t)
+                const u32 there = order[j];
+                for (u32 t = starts[there]; t < starts[there + 1u]; ++t)
                     if (partners[t] == mine) {
                         found = t;
                         break;
