@@ -3,7 +3,7 @@
 use crate::console::data;
 use crate::render::{self, Reports};
 use crate::units::{bytes, counted, entry, grouped, number, short};
-use crate::{cases, summary};
+use crate::{cases, memory, summary};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -31,6 +31,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let loaded = cases::load(&arguments.case, &arguments.set)?;
     let built = cases::build(&loaded)?;
     render::warn(&Reports::from(&built.warnings));
+    memory::warn(&built.memory);
     let case = &loaded.case;
     let mut text = format!("{} can run.\n", loaded.source.name);
     text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));

@@ -11,6 +11,7 @@ mod files;
 mod info;
 mod kernels;
 mod machine;
+mod memory;
 mod new;
 mod pack;
 mod picture;

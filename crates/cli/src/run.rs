@@ -3,7 +3,7 @@
 use crate::console::say;
 use crate::render::{self, Reports};
 use crate::work::{self, Work};
-use crate::{cases, summary};
+use crate::{cases, memory, summary};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,7 +36,8 @@ Examples:
   tdem run cases/packing.toml --set time.end=0.5 --set interaction.0.static_friction=0.3
   tdem run cases/packing.toml --steps 1000 --hash --overwrite
 
-Ctrl-C writes a checkpoint and ends; `tdem resume` goes on. A second Ctrl-C ends at once.";
+Ctrl-C writes a checkpoint and ends, and so does a terminal that closes; `tdem resume` goes on. A second Ctrl-C ends
+at once.";
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let out = arguments.out.clone().unwrap_or_else(|| default_directory(&arguments.case));
@@ -48,6 +49,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     arguments.work.machine.prepare()?;
     let built = cases::build(&loaded)?;
     render::warn(&Reports::from(&built.warnings));
+    memory::warn(&built.memory);
     if !arguments.work.quiet {
         let schedule = arguments.work.schedule(built.schedule);
         say(summary::before(&loaded, &built, &schedule, &arguments.work.machine, &out));

@@ -70,6 +70,14 @@ impl Default for Options {
     }
 }
 
+/// How many bytes a run of default options will hold, all arrays together but for those of walls, with so many pairs in
+/// its list; [`crate::Simulation::bytes`] tells it of a run that is there.
+#[must_use]
+pub fn bytes(plan: &Plan, particles: usize, pairs: usize) -> usize {
+    let [row, pair] = Neighbours::bytes_each(plan.law);
+    particles * (size_of::<u32>() + Bodies::bytes_each(plan) + row) + pairs * pair
+}
+
 /// Particles per task of a parallel loop. Results do not depend on it.
 const CHUNK: usize = 512;
 

@@ -192,7 +192,7 @@ fn agitation(particle: usize) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tdem_engine::cpu::{Options, Width};
+    use tdem_engine::cpu::{self, Options, Width};
 
     #[test]
     fn the_block_touches_everywhere_and_its_result_does_not_depend_on_threads() {
@@ -204,5 +204,20 @@ mod tests {
         assert!(one.contacts_per_particle > 9.0, "{one:?}");
         assert_eq!(one.hash, three.hash);
         assert!(one.bytes_per_particle < 800.0 && one.best_rate >= one.median_rate);
+    }
+
+    #[test]
+    fn memory_is_known_before_a_run() {
+        for law in [Law::GN, Law::GNT, Law::GNTM] {
+            for ledger in [false, true] {
+                let block = ContactBlock { law, ledger, cells: [6, 6, 6], steps: 1, repeats: 1 };
+                let found = contact(&block, &Options::default().into()).unwrap();
+                // In a crystal just the touching pairs are listed.
+                let pairs = 0.5 * found.contacts_per_particle * found.particles as f64;
+                let expected = cpu::bytes(&plan(&block), found.particles, pairs.round() as usize);
+                let expected = expected as f64 / found.particles as f64;
+                assert!((found.bytes_per_particle - expected).abs() < 0.1, "{block:?}: {found:?}, not {expected}");
+            }
+        }
     }
 }

@@ -133,6 +133,20 @@ impl Bodies {
         }
     }
 
+    /// Bytes per particle of what [`Bodies::from_state`] makes.
+    pub(crate) fn bytes_each(plan: &Plan) -> usize {
+        let (gear, moments) = (plan.integrator == Integrator::Gear, plan.law.moments);
+        let optional = [
+            (moments, size_of::<Quad>()),
+            (plan.domain.period().any(), size_of::<[i32; 3]>()),
+            (gear, size_of::<[[f64; 3]; 4]>()),
+            (plan.ledger, size_of::<[f64; 4]>()),
+            (plan.ledger && !gear, size_of::<Quad>()),
+            (plan.ledger && !gear && moments, size_of::<Quad>()),
+        ];
+        let optional: usize = optional.iter().filter(|(there, _)| *there).map(|(_, size)| size).sum();
+        size_of::<u32>() + 4 * size_of::<Quad>() + 2 * size_of::<u16>() + optional
+    }
     pub(crate) fn bytes(&self) -> usize {
         fn size<T>(field: &[T]) -> usize {
             std::mem::size_of_val(field)

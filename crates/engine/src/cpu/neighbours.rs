@@ -4,7 +4,7 @@ use super::CHUNK;
 use super::pieces::split;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
-use tdem_physics::contact::Law;
+use tdem_physics::contact::{Friction, Law};
 
 /// The neighbour list. `P` is the number of listed pairs, `N` of particles, in working order.
 ///
@@ -146,6 +146,12 @@ impl Neighbours {
             .collect();
     }
 
+    /// Bytes of a half list per particle and per pair.
+    pub(crate) fn bytes_each(law: Law) -> [usize; 2] {
+        let displacement = if law.friction == Friction::Off { 0 } else { size_of::<[f64; 3]>() };
+        let pair = 2 * size_of::<u32>() + size_of::<bool>() + displacement + reaction_stride(law) * size_of::<f64>();
+        [2 * size_of::<u32>() + size_of::<[f64; 3]>(), pair]
+    }
     pub(crate) fn bytes(&self) -> usize {
         fn size<T>(field: &[T]) -> usize {
             std::mem::size_of_val(field)

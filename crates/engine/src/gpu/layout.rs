@@ -342,7 +342,7 @@ kernels! {
         walls: read Wall, wall_place: read Quad, slice_length: write u32, known_low: write u32, known_high: write u32,
     }
     /// See `kernels/search.cl`.
-    rows_fill as RowsFill(128, 4) {
+    rows_fill as RowsFill(128, 8) {
         search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
         known_low: read u32, known_high: read u32, walls: read Wall, wall_place: read Quad,
         order: read u32, starts: read u32, partners: read u32, remembered: read f64,

@@ -1,0 +1,42 @@
+//! Whether a run fits into the memory of this machine.
+
+use crate::render::{self, Report};
+use crate::units::bytes;
+use tdem_case::Memory;
+
+/// Warns of a run that takes more memory than there is. Where the system does not tell, nothing is said.
+pub(crate) fn warn(memory: &Memory) {
+    let told = std::fs::read_to_string("/proc/meminfo").ok();
+    if let Some(report) = told.and_then(|told| too_little(memory.run_bytes, available(&told)?)) {
+        render::warn(&report.into());
+    }
+}
+
+fn too_little(needed: u64, available: u64) -> Option<Report> {
+    let message = format!("the run needs about {} of memory, of which {} are free", bytes(needed), bytes(available));
+    (needed > available).then(|| {
+        Report::warning("tdem::cli::memory", message)
+            .help("take fewer particles, a model without moments, or output.ledger = false; or a larger machine")
+    })
+}
+
+/// Memory that programs can still get, bytes, in the words of Linux.
+fn available(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_does_not_fit_is_warned_of() {
+        let told = "MemTotal:       24684412 kB\nMemFree:        18565432 kB\nMemAvailable:   22658312 kB\n";
+        assert_eq!(available(told), Some(23_202_111_488));
+        assert_eq!(available("MemTotal: many"), None);
+        assert!(too_little(23_202_111_488, 23_202_111_488).is_none());
+        let report = format!("{:?}", too_little(30_000_000_000, 23_202_111_488));
+        assert!(report.contains("30 GB of memory, of which 23.2 GB are free"), "{report}");
+    }
+}
