@@ -17,8 +17,8 @@ Examples:
   tdem bench case cases/packing.toml --set size=83k --device cpu,opencl --steps 100
   tdem bench case cases/packing.toml --set size=3m --device cuda --paper
 
-Whole steps are measured: contacts, walls, motion, and search as often as it is due; nothing is written and no ledger is
-kept. Hashes are those of the final states: the same on every device.")]
+Whole steps are measured: contacts, walls, motion, and search as often as it is due; nothing is written, and no ledger is
+kept unless it is asked for. Hashes are those of the final states: the same on every device.")]
 pub(crate) struct Arguments {
     /// The case
     #[arg(value_name = "CASE.toml")]
@@ -47,6 +47,9 @@ pub(crate) struct Arguments {
     /// As the paper computes: Gear's integrator, a search in every step
     #[arg(long)]
     paper: bool,
+    /// Book dissipated energy in every step, as runs do by default
+    #[arg(long)]
+    ledger: bool,
     /// Write the measurements to a JSON file
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -73,7 +76,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             let options = cpu::Options { threads: arguments.threads.map(usize::from), ..cpu::Options::default() };
             let found = choice.find(options)?;
             let mut plan = built.plan.clone();
-            plan.ledger = false;
+            plan.ledger = arguments.ledger;
             plan.search.every_step |= arguments.paper;
             say(format!("{model} on {} ...", found.name));
             let measured = phase
@@ -115,6 +118,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             "version": env!("CARGO_PKG_VERSION"),
             "precision": "f64",
             "paper_mode": arguments.paper,
+            "ledger": arguments.ledger,
             "repeats": arguments.repeats,
             "measurements": rows,
         });

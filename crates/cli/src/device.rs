@@ -1,7 +1,10 @@
 //! Which device the command line asks for.
 
+use crate::machine::instructions;
 use crate::render::{Report, Reports};
+use crate::units::counted;
 use std::str::FromStr;
+use std::thread::available_parallelism;
 use tdem_engine::gpu::{Api, Listing, survey};
 use tdem_engine::{Device, cpu};
 
@@ -38,6 +41,14 @@ impl FromStr for Choice {
     }
 }
 
+/// How an interface is called on the command line.
+pub(crate) fn word(api: Api) -> &'static str {
+    match api {
+        Api::OpenCl => "opencl",
+        Api::Cuda => "cuda",
+    }
+}
+
 /// A device that can be used, and how it is called.
 pub(crate) struct Found {
     pub(crate) device: Device,
@@ -47,7 +58,7 @@ pub(crate) struct Found {
 impl Choice {
     /// Finds the device; `options` are for the processor.
     pub(crate) fn find(self, options: cpu::Options) -> Result<Found, Reports> {
-        let processor = Found { device: options.into(), name: "CPU".to_owned() };
+        let processor = Found { device: options.into(), name: processor(&options) };
         match self {
             Choice::Cpu => Ok(processor),
             Choice::Auto => {
@@ -81,6 +92,12 @@ impl Choice {
             }
         }
     }
+}
+
+fn processor(options: &cpu::Options) -> String {
+    let threads = options.threads.unwrap_or_else(|| available_parallelism().map_or(1, usize::from));
+    let width = if options.width == cpu::Width::One { "one contact at a time" } else { instructions() };
+    format!("CPU, {}, {width}", counted(threads as u64, "thread"))
 }
 
 fn found(listing: Listing) -> Found {

@@ -1,6 +1,7 @@
 //! `tdem info`: this machine, or a run.
 
 use crate::console::data;
+use crate::device::word;
 use crate::machine::instructions;
 use crate::render::Reports;
 use crate::units::{argument, bytes, counted, entry, grouped, short};
@@ -8,6 +9,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
+use tdem_engine::gpu::survey;
 
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
@@ -26,10 +28,35 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
 
 fn of_machine() -> String {
     let cores = available_parallelism().map_or(1, usize::from) as u64;
-    format!("tdem {}\n", env!("CARGO_PKG_VERSION"))
-        + &entry("cpu", format!("{}, {}", counted(cores, "core"), instructions()))
-        + &entry("opencl", "not built yet")
-        + &entry("cuda", "not built yet")
+    let mut text = format!("tdem {}\n", env!("CARGO_PKG_VERSION"))
+        + &entry("cpu", format!("{}, {}: can be used", counted(cores, "core"), instructions()));
+    let survey = survey();
+    for device in &survey.devices {
+        let name = format!("{}:{}", word(device.api), device.index);
+        let kind = if device.processor { ", a processor: no faster than cpu" } else { "" };
+        text += &entry(&name, format!("{}{kind}", device.name));
+        text += &entry(
+            "",
+            format!(
+                "{}, {}, {}, {}",
+                device.driver,
+                bytes(device.memory),
+                counted(u64::from(device.compute_units), "compute unit"),
+                if device.fp64 { "double precision" } else { "no double precision" }
+            ),
+        );
+        text += &entry(
+            "",
+            match &device.usable {
+                Ok(()) => "self-test passed, the bits of the CPU: can be used".to_owned(),
+                Err(why) => format!("cannot be used: {why}"),
+            },
+        );
+    }
+    for (api, why) in &survey.missing {
+        text += &entry(word(*api), format!("none: {why}"));
+    }
+    text
 }
 
 fn of_run(run: &Path) -> Result<String, Reports> {

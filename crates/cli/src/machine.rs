@@ -1,7 +1,7 @@
 //! On what a run is computed.
 
+use crate::device::{Choice, Found};
 use crate::render::{Report, Reports};
-use crate::units::counted;
 use clap::{Args, ValueEnum};
 use tdem_engine::cpu;
 
@@ -9,10 +9,10 @@ use tdem_engine::cpu;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Machine (no bit of the result depends on it)")]
 pub(crate) struct Machine {
-    /// What computes; "auto" takes the fastest that is there, which is the CPU until GPU back ends are built
-    #[arg(long, value_enum, default_value_t = Device::Auto)]
-    device: Device,
-    /// Threads [default: all cores]
+    /// What computes: auto, cpu, opencl, cuda, or one of several: cuda:1; "auto" takes a GPU that can be used, else the CPU
+    #[arg(long, default_value = "auto")]
+    device: Choice,
+    /// Threads of the CPU [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Compute contacts one by one instead of eight at a time: slower, for comparison
@@ -21,15 +21,6 @@ pub(crate) struct Machine {
     /// List each pair once, or from both sides: slower, for comparison
     #[arg(long, value_enum, default_value_t = List::Half)]
     list: List,
-}
-
-/// What computes.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Device {
-    /// The fastest device there is
-    Auto,
-    /// The cores of this machine
-    Cpu,
 }
 
 /// How pairs are listed.
@@ -52,24 +43,15 @@ impl Machine {
         })
     }
 
-    /// The same for the engine.
-    pub(crate) fn options(&self) -> cpu::Options {
-        cpu::Options {
+    /// The device asked for.
+    pub(crate) fn find(&self) -> Result<Found, Reports> {
+        let options = cpu::Options {
             threads: self.threads.map(usize::from),
             width: width(self.scalar),
             list: if self.list == List::Half { cpu::List::Half } else { cpu::List::Full },
             ..cpu::Options::default()
-        }
-    }
-
-    /// In words.
-    pub(crate) fn describe(&self) -> String {
-        let device = match self.device {
-            Device::Auto | Device::Cpu => "CPU",
         };
-        let threads = counted(rayon::current_num_threads() as u64, "thread");
-        let lanes = if self.scalar { "one contact at a time".to_owned() } else { instructions().to_owned() };
-        format!("{device}, {threads}, {lanes}")
+        self.device.find(options)
     }
 }
 

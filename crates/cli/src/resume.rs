@@ -36,6 +36,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     }
     let loaded = cases::load(&case, &[])?;
     arguments.work.machine.prepare()?;
+    let device = arguments.work.machine.find()?;
     let built = cases::build(&loaded)?;
     let schedule = arguments.work.schedule(built.schedule);
     let Resumed { directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
@@ -88,10 +89,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             grouped(state.len() as u64),
             grouped(schedule.steps),
             "device",
-            arguments.work.machine.describe()
+            device.name
         ));
     }
-    let simulation = Simulation::new(state, built.plan, &arguments.work.machine.options())?;
+    let simulation = Simulation::new(state, built.plan, &device.device)?;
     let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work };
     work.run(simulation)
 }

@@ -47,15 +47,16 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         return Err(Error::RunExists { path: out }.into());
     }
     arguments.work.machine.prepare()?;
+    let device = arguments.work.machine.find()?;
     let built = cases::build(&loaded)?;
     render::warn(&Reports::from(&built.warnings));
     memory::warn(&built.memory);
     if !arguments.work.quiet {
         let schedule = arguments.work.schedule(built.schedule);
-        say(summary::before(&loaded, &built, &schedule, &arguments.work.machine, &out));
+        say(summary::before(&loaded, &built, &schedule, &device.name, &out));
     }
     let kept = cases::kept(&loaded, &built)?;
-    let simulation = Simulation::new(built.state, built.plan, &arguments.work.machine.options())?;
+    let simulation = Simulation::new(built.state, built.plan, &device.device)?;
     let directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
     let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work };
     work.run(simulation)

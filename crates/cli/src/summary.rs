@@ -1,6 +1,5 @@
 //! What a run is about to do, and what came of it.
 
-use crate::machine::Machine;
 use crate::units::{argument, bytes, clock, counted, entry, grouped, number, short};
 use std::fmt::Write;
 use std::path::Path;
@@ -10,7 +9,7 @@ use tdem_engine::{Ledger, Schedule};
 use tdem_results::{Progress, info};
 
 /// What a run is about to do.
-pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, machine: &Machine, out: &Path) -> String {
+pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, device: &str, out: &Path) -> String {
     let case = &loaded.case;
     let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
     text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
@@ -18,7 +17,7 @@ pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, machin
     let end = short(built.plan.time(schedule.steps));
     text += &entry("duration", format!("{end} s, {}", counted(schedule.steps, "step")));
     text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
-    text += &entry("device", machine.describe());
+    text += &entry("device", device);
     text + entry("results in", argument(out)).trim_end()
 }
 

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use tdem_case::Fields;
-use tdem_engine::{Fault, Schedule, Simulation, State};
+use tdem_engine::{Fault, Schedule, Simulation, State, gpu};
 use tdem_results::{Error, Outcome, RunDirectory, RunError, load_final_state, session};
 
 #[derive(Args, Debug)]
@@ -121,6 +121,7 @@ fn fault_report(error: RunError, dt: f64) -> Reports {
                      prescribed that pushes particles into each other or through walls\n",
                     short(dt)
                 ),
+                Fault::Device(error) => format!("{}\n", device_remedy(error)),
                 _ => String::new(),
             };
             let run = argument(&path);
@@ -148,9 +149,31 @@ fn fault_code(fault: &Fault) -> &'static str {
     }
 }
 
+/// What can be done about a device that refuses.
+fn device_remedy(error: &gpu::Error) -> &'static str {
+    match error {
+        gpu::Error::OutOfMemory { .. } => {
+            "`tdem check` says what the case needs; take fewer particles, a device with more memory, or --device cpu"
+        }
+        gpu::Error::Compile { .. } => {
+            "the driver's compiler may be too old or at fault: try a newer driver, the other interface, or --device cpu; \
+             `tdem kernels CASE.toml` prints what it was given"
+        }
+        gpu::Error::Missing { .. } => "`tdem info` lists the devices; --device cpu always works",
+        gpu::Error::Call { .. } => {
+            "the device may have been reset or lost; `tdem info` tests it, and a run can go on with another one: \
+             `tdem resume DIR --device cpu`"
+        }
+    }
+}
+
 impl From<Fault> for Reports {
     fn from(fault: Fault) -> Self {
-        Report::new(fault_code(&fault), fault.to_string()).into()
+        let report = Report::new(fault_code(&fault), fault.to_string());
+        match &fault {
+            Fault::Device(error) => report.help(device_remedy(error)).into(),
+            _ => report.into(),
+        }
     }
 }
 
