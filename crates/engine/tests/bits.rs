@@ -68,7 +68,7 @@ fn same_bits_when_resumed_at_any_step() {
 
 fn run_short(state: &State, plan: &Plan, width: Width, steps: u64) -> State {
     let options = Options { width, ..Options::default() };
-    let mut simulation = Simulation::new(state.clone(), plan.clone(), &options).expect("the scene is sound");
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
     simulation.advance(steps).expect("the scene runs through");
     simulation.state().expect("a state can be taken")
 }

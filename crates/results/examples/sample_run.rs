@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn sample(folder: &Path, plan: &Plan, steps: u64) -> Result<(), Box<dyn Error>> {
     let mut state = common::state();
     state.wall_position.truncate(plan.walls.len());
-    let simulation = Simulation::new(state, plan.clone(), &cpu::Options::default())?;
+    let simulation = Simulation::new(state, plan.clone(), cpu::Options::default())?;
     let mut directory = RunDirectory::create(folder, "# a sample, not made from a case\n", true)?;
     directory.set_contents(common::contents());
     let schedule = Schedule { steps, frame_every: 100, history_every: 20, ..Schedule::default() };

@@ -62,6 +62,10 @@ impl Room {
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tdem"));
         command.args(arguments).current_dir(self.folder.path()).env_remove("NO_COLOR").stdin(Stdio::null());
+        // Processes that run at the same time must not share PoCL's cache of kernels: each slot of nextest has its own.
+        let slot = std::env::var("NEXTEST_TEST_GLOBAL_SLOT").unwrap_or_else(|_| "alone".to_owned());
+        let caches = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kernel-cache").join(slot);
+        command.env("POCL_CACHE_DIR", caches.join("pocl")).env("TDEM_CACHE_DIR", caches);
         command
     }
     pub(crate) fn tdem(&self, arguments: &[&str]) -> Said {

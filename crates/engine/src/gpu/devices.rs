@@ -100,14 +100,13 @@ fn tested<R: Runtime>(api: Api, index: usize, runtime: R) -> Result<R, Error> {
     static VERDICTS: Mutex<BTreeMap<(Api, usize), bool>> = Mutex::new(BTreeMap::new());
     let verdicts = || VERDICTS.lock().unwrap_or_else(PoisonError::into_inner);
     let known = verdicts().get(&(api, index)).copied();
-    let exact = match known {
-        Some(exact) => exact,
-        None => {
-            // A test that fails to run is no verdict, and not remembered.
-            let exact = check_contraction(&runtime)?;
-            verdicts().insert((api, index), exact);
-            exact
-        }
+    let exact = if let Some(exact) = known {
+        exact
+    } else {
+        // A test that fails to run is no verdict, and not remembered.
+        let exact = check_contraction(&runtime)?;
+        verdicts().insert((api, index), exact);
+        exact
     };
     if exact {
         Ok(runtime)

@@ -8,6 +8,7 @@ use tdem_physics::print;
 
 /// What is decided when the kernels are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the source, and they are independent")]
 pub(crate) struct Variant {
     pub(crate) law: tdem_physics::contact::Law,
     pub(crate) gear: bool,

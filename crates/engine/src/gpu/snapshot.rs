@@ -7,7 +7,7 @@ use crate::cpu::Quad;
 use crate::{Contact, Fault, State, WallContact};
 
 /// A moment of a run on its way to the host.
-struct Moment<R: Runtime> {
+struct Snapshot<R: Runtime> {
     step: u64,
     ids: Vec<u32>,
     spins: Vec<[f64; 3]>,
@@ -34,7 +34,7 @@ impl<R: Runtime> Gpu<R> {
         let (queue, half, free, fields) =
             (&self.queue, &self.halves[self.now], &self.halves[1 - self.now], &self.fields);
         let all = usize::MAX;
-        let moment = Moment::<R> {
+        let snapshot = Snapshot::<R> {
             step: self.step,
             ids: self.ids.clone(),
             spins: self.spins.clone(),
@@ -54,11 +54,11 @@ impl<R: Runtime> Gpu<R> {
             remembered: queue.fetch(&self.histories.remembered, 3 * entries)?,
         };
         queue.flush()?;
-        Ok(move || moment.state())
+        Ok(move || snapshot.state())
     }
 }
 
-impl<R: Runtime> Moment<R> {
+impl<R: Runtime> Snapshot<R> {
     fn state(self) -> Result<State, Fault> {
         let n = self.ids.len();
         let rank = self.rank.take()?;

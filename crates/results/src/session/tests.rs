@@ -49,7 +49,7 @@ fn sphere(leaves: bool) -> Simulation {
         ..State::default()
     };
     let options = cpu::Options { threads: Some(1), ..cpu::Options::default() };
-    Simulation::new(state, plan, &options).unwrap()
+    Simulation::new(state, plan, options).unwrap()
 }
 
 /// Notes what is written, and may be held up or fail there.

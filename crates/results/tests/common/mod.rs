@@ -75,7 +75,7 @@ pub(crate) fn state() -> State {
 
 pub(crate) fn simulation(state: State) -> Simulation {
     let options = cpu::Options { threads: Some(1), ..cpu::Options::default() };
-    Simulation::new(state, plan(), &options).unwrap()
+    Simulation::new(state, plan(), options).unwrap()
 }
 
 pub(crate) fn schedule(steps: u64) -> Schedule {
