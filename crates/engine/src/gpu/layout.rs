@@ -172,8 +172,9 @@ records! {
         cells_y: u32,
         cells_z: u32,
         first_cell: u32,
-        bricks_x: u32,
-        bricks_y: u32,
+        /// Rows side by side in a strip.
+        strip: u32,
+        padding: u32,
     }
 }
 

@@ -77,7 +77,6 @@ impl Variant {
         for (name, on) in switches {
             let _ = writeln!(text, "#define {name} {}", u8::from(on));
         }
-        let _ = writeln!(text, "#define BRICK {}u", super::search::brick());
         text.push('\n');
         text += &print::source(self.law);
         text.push('\n');

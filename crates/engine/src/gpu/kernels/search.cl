@@ -60,12 +60,11 @@ DEVICE u32 cell_along(const real coordinate, const real low, const real per_metr
     return (u32)(c < last ? c : last);
 }
 
-// Cells are numbered brick by brick, BRICK cells along each edge, along x first inside and outside. Particles stand in
-// this order, so that those of a work-group fill a small piece of space and share most of their neighbours.
+// Cells are numbered in strips: row after row along x, some rows side by side in y, then the next layer in z, and when a
+// strip is done the next strip. Particles stand in this order, so that neighbours in space are near in memory.
 DEVICE u32 cell_number(const Level level, const u32 x, const u32 y, const u32 z)
 {
-    const u32 brick = (z / BRICK * level.bricks_y + y / BRICK) * level.bricks_x + x / BRICK;
-    return level.first_cell + ((brick * BRICK + z % BRICK) * BRICK + y % BRICK) * BRICK + x % BRICK;
+    return level.first_cell + ((y / level.strip * level.cells_z + z) * level.strip + y % level.strip) * level.cells_x + x;
 }
 
 kernel cells
@@ -205,18 +204,18 @@ DEVICE u32 wrapped(const i32 cell, const u32 cells)
         const i32 from_z = first_within(x.z, reach, level.min.z, level.per_metre.z, level.cells_z, search.wraps & 4u,  \
                                         &many_z);                                                                      \
         for (u32 cz = 0; cz < many_z; ++cz)                                                                            \
-            for (u32 cy = 0; cy < many_y; ++cy)                                                                        \
+            for (u32 cy = 0; cy < many_y; ++cy) {                                                                      \
+                const u32 row = cell_number(level, 0, wrapped(from_y + (i32)cy, level.cells_y),                        \
+                                            wrapped(from_z + (i32)cz, level.cells_z));                                 \
                 for (u32 cx = 0; cx < many_x;) {                                                                       \
-                    /* A run ends with its brick, and at the seam of a direction that repeats. */                      \
+                    /* At the seam of a direction that repeats, a run ends. */                                         \
                     const u32 cell = wrapped(from_x + (i32)cx, level.cells_x);                                         \
-                    const u32 left = many_x - cx, seam = level.cells_x - cell, brick = BRICK - cell % BRICK;           \
-                    const u32 room = seam < brick ? seam : brick;                                                      \
+                    const u32 left = many_x - cx, room = level.cells_x - cell;                                         \
                     const u32 run = left < room ? left : room;                                                         \
-                    const u32 number = cell_number(level, cell, wrapped(from_y + (i32)cy, level.cells_y),              \
-                                                   wrapped(from_z + (i32)cz, level.cells_z));                          \
-                    RUN(cell_start[number], cell_start[number + run])                                                  \
+                    RUN(cell_start[row + cell], cell_start[row + cell + run])                                          \
                     cx += run;                                                                                         \
                 }                                                                                                      \
+            }                                                                                                          \
     }
 
 // The length of each slice is that of its longest row. Which of the candidates are neighbours is noted, a bit for each;
