@@ -4,10 +4,12 @@ use super::cuda::Cuda;
 use super::opencl::OpenCl;
 use super::runtime::{Error, Runtime};
 use super::self_test::check_contraction;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::{Mutex, PoisonError};
 
 /// A programming interface of GPUs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Api {
     /// Any vendor; on a CPU through PoCL.
     OpenCl,
@@ -85,16 +87,29 @@ impl Survey {
 
 /// An OpenCL device that passed the self-test.
 pub(crate) fn open_opencl(index: usize) -> Result<OpenCl, Error> {
-    tested(OpenCl::open(index)?)
+    tested(Api::OpenCl, index, OpenCl::open(index)?)
 }
 
 /// A CUDA device that passed the self-test.
 pub(crate) fn open_cuda(index: usize) -> Result<Cuda, Error> {
-    tested(Cuda::open(index)?)
+    tested(Api::Cuda, index, Cuda::open(index)?)
 }
 
-fn tested<R: Runtime>(runtime: R) -> Result<R, Error> {
-    if check_contraction(&runtime)? {
+/// Tests a device once per process: a self-test is compiled, which takes longer than many a run.
+fn tested<R: Runtime>(api: Api, index: usize, runtime: R) -> Result<R, Error> {
+    static VERDICTS: Mutex<BTreeMap<(Api, usize), bool>> = Mutex::new(BTreeMap::new());
+    let verdicts = || VERDICTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = verdicts().get(&(api, index)).copied();
+    let exact = match known {
+        Some(exact) => exact,
+        None => {
+            // A test that fails to run is no verdict, and not remembered.
+            let exact = check_contraction(&runtime)?;
+            verdicts().insert((api, index), exact);
+            exact
+        }
+    };
+    if exact {
         Ok(runtime)
     } else {
         let why = "the device fuses multiply and add, or rounds in its own way: results would not have the CPU's bits";
