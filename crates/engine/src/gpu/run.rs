@@ -125,10 +125,13 @@ impl<R: Runtime> Gpu<R> {
         let mut done = 0;
         if self.plan.search.every_step {
             while done < steps {
-                let status = self.status()?;
+                // The status arrives while histories are put aside, which changes nothing that a fault is worked out from.
+                let status = self.queue.fetch(&self.status, STATUS)?;
+                let histories = self.carry_histories()?;
+                let status = words(status.take()?);
                 self.fault_in(status, done, steps)?;
                 self.note_way(status);
-                self.list_anew()?;
+                self.list_with(histories)?;
                 self.launch_step(done + 1 == steps)?;
                 done += 1;
             }
@@ -167,7 +170,8 @@ impl<R: Runtime> Gpu<R> {
                 self.fault_in(status, reached, steps)?;
                 self.batch = (reached - done).clamp(1, BATCH);
                 self.note_way(status);
-                self.list_anew()?;
+                let histories = self.carry_histories()?;
+                self.list_with(histories)?;
                 self.queue.upload(&self.status, &[0, 0, reached as u32, 0])?;
                 return Ok(reached);
             }
