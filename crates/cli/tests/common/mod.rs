@@ -62,6 +62,9 @@ impl Room {
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tdem"));
         command.args(arguments).current_dir(self.folder.path()).env_remove("NO_COLOR").stdin(Stdio::null());
+        // Processes that run at the same time must not share PoCL's cache: each slot of nextest has its own.
+        let slot = std::env::var("NEXTEST_TEST_GLOBAL_SLOT").unwrap_or_else(|_| "alone".to_owned());
+        command.env("POCL_CACHE_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("pocl").join(slot));
         command
     }
     pub(crate) fn tdem(&self, arguments: &[&str]) -> Said {

@@ -4,10 +4,12 @@ use super::cuda::Cuda;
 use super::opencl::OpenCl;
 use super::runtime::{Error, Runtime};
 use super::self_test::check_contraction;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::{Mutex, PoisonError};
 
 /// A programming interface of GPUs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Api {
     /// Any vendor; on a CPU through PoCL.
     OpenCl,
@@ -65,36 +67,59 @@ pub fn devices() -> Vec<Listing> {
 /// The devices of all interfaces, and why an interface has none. Each device runs the self-test.
 #[must_use]
 pub fn survey() -> Survey {
-    let mut survey = Survey { devices: Vec::new(), missing: Vec::new() };
-    survey.add(Api::OpenCl, OpenCl::list(), |index| open_opencl(index).map(drop));
-    survey.add(Api::Cuda, Cuda::list(), |index| open_cuda(index).map(drop));
-    survey
+    let mut all = Survey::of(Api::OpenCl, |_| true);
+    let cuda = Survey::of(Api::Cuda, |_| true);
+    all.devices.extend(cuda.devices);
+    all.missing.extend(cuda.missing);
+    all
 }
 
 impl Survey {
-    fn add(&mut self, api: Api, list: Result<Vec<Listing>, Error>, open: impl Fn(usize) -> Result<(), Error>) {
+    /// The devices of one interface. Those that are wanted run the self-test, the others are left out.
+    #[must_use]
+    pub fn of(api: Api, wanted: impl Fn(&Listing) -> bool) -> Self {
+        let (list, open): (_, fn(usize) -> Result<(), Error>) = match api {
+            Api::OpenCl => (OpenCl::list(), |index| open_opencl(index).map(drop)),
+            Api::Cuda => (Cuda::list(), |index| open_cuda(index).map(drop)),
+        };
         match list {
-            Ok(list) => self.devices.extend(list.into_iter().map(|mut device| {
-                device.usable = open(device.index).map_err(|error| error.to_string());
-                device
-            })),
-            Err(error) => self.missing.push((api, error.to_string())),
+            Ok(mut devices) => {
+                devices.retain(wanted);
+                for device in &mut devices {
+                    device.usable = open(device.index).map_err(|error| error.to_string());
+                }
+                Survey { devices, missing: Vec::new() }
+            }
+            Err(error) => Survey { devices: Vec::new(), missing: vec![(api, error.to_string())] },
         }
     }
 }
 
 /// An OpenCL device that passed the self-test.
 pub(crate) fn open_opencl(index: usize) -> Result<OpenCl, Error> {
-    tested(OpenCl::open(index)?)
+    tested(Api::OpenCl, index, OpenCl::open(index)?)
 }
 
 /// A CUDA device that passed the self-test.
 pub(crate) fn open_cuda(index: usize) -> Result<Cuda, Error> {
-    tested(Cuda::open(index)?)
+    tested(Api::Cuda, index, Cuda::open(index)?)
 }
 
-fn tested<R: Runtime>(runtime: R) -> Result<R, Error> {
-    if check_contraction(&runtime)? {
+/// Tests a device once per process: a self-test is compiled, which takes longer than many a run.
+fn tested<R: Runtime>(api: Api, index: usize, runtime: R) -> Result<R, Error> {
+    static VERDICTS: Mutex<BTreeMap<(Api, usize), bool>> = Mutex::new(BTreeMap::new());
+    let verdicts = || VERDICTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = verdicts().get(&(api, index)).copied();
+    let exact = match known {
+        Some(exact) => exact,
+        None => {
+            // A test that fails to run is no verdict, and not remembered.
+            let exact = check_contraction(&runtime)?;
+            verdicts().insert((api, index), exact);
+            exact
+        }
+    };
+    if exact {
         Ok(runtime)
     } else {
         let why = "the device fuses multiply and add, or rounds in its own way: results would not have the CPU's bits";
