@@ -1,11 +1,14 @@
 //! `tdem verify`: the engine against closed forms and published values.
 
 use crate::console::{data, say};
+use crate::device::Choice;
 use crate::render::{Report, Reports};
 use crate::units::clock;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::process::ExitCode;
+use std::str::FromStr;
 use std::time::Duration;
+use tdem_engine::{Device, cpu};
 use tdem_studies::verify::{Backend, Case, Outcome, Tier, catalogue, markdown, run, table};
 
 #[derive(Args, Debug)]
@@ -17,9 +20,11 @@ pub(crate) struct Arguments {
     /// The full tier too, which takes minutes
     #[arg(long)]
     full: bool,
-    /// What computes
-    #[arg(long, value_enum, default_value_t = Device::Auto)]
-    device: Device,
+    /// What computes: auto, cpu, opencl, cuda, one of several: cuda:1; cpu-scalar for contacts one by one, cpu-portable
+    /// without the instructions that only some machines have; all for every back end of this machine, and their results
+    /// must be the same to the last bit
+    #[arg(long, default_value = "auto")]
+    device: Asked,
     /// Print the table in Markdown
     #[arg(long)]
     markdown: bool,
@@ -37,28 +42,42 @@ Examples:
 
 The exit code is 1 if a check fails.";
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Device {
-    /// The fastest device there is, which is the CPU until GPU back ends are built
-    Auto,
-    /// The cores of this machine, contacts eight at a time
-    Cpu,
-    /// The cores of this machine, contacts one by one: the plain reference
-    CpuScalar,
-    /// The cores of this machine, contacts eight at a time without the instructions that only some machines have
-    CpuPortable,
-    /// All of them, and their results must be the same to the last bit
+/// What was asked for.
+#[derive(Clone, Copy, Debug)]
+enum Asked {
+    /// What a run can be computed on.
+    Device(Choice),
+    /// The CPU in a way that serves for comparison only.
+    Compared(Backend),
+    /// Every back end of this machine.
     All,
 }
 
-impl Device {
-    fn backends(self) -> Vec<Backend> {
-        match self {
-            Device::Auto | Device::Cpu => vec![Backend::CpuLanes],
-            Device::CpuScalar => vec![Backend::CpuScalar],
-            Device::CpuPortable => vec![Backend::CpuPortable],
-            Device::All => Backend::ALL.to_vec(),
+impl FromStr for Asked {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "cpu-scalar" => Ok(Asked::Compared(Backend::CpuScalar)),
+            "cpu-portable" => Ok(Asked::Compared(Backend::CpuPortable)),
+            "all" => Ok(Asked::All),
+            _ => text
+                .parse()
+                .map(Asked::Device)
+                .map_err(|why: String| format!("{why}; or cpu-scalar, cpu-portable, all")),
         }
+    }
+}
+
+impl Asked {
+    fn backends(self) -> Result<Vec<Backend>, Reports> {
+        Ok(match self {
+            Asked::Device(choice) => vec![match choice.find(cpu::Options::default())?.device {
+                Device::Cpu(_) => Backend::CpuLanes,
+                Device::Gpu { api, index } => Backend::Gpu { api, index },
+            }],
+            Asked::Compared(backend) => vec![backend],
+            Asked::All => Backend::all(),
+        })
     }
 }
 
@@ -71,11 +90,12 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         }
         return Ok(ExitCode::SUCCESS);
     }
+    let backends = arguments.device.backends()?;
     let mut outcomes: Vec<Outcome> = Vec::new();
     let mut agree = true;
     for case in &cases {
         let first = outcomes.len();
-        for backend in arguments.device.backends() {
+        for &backend in &backends {
             let outcome = run(case, backend);
             say(line(&outcome));
             outcomes.push(outcome);

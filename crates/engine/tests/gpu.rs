@@ -1,4 +1,6 @@
-//! The contract of bits across devices: kernels give what the CPU gives. Needs an OpenCL device; PoCL will do.
+//! The contract of bits across devices: kernels give what the CPU gives. Needs a device, or fails.
+//!
+//! `TDEM_TEST_DEVICE` says of which interface: `opencl`, which is taken without it and for which PoCL will do, or `cuda`.
 
 mod common;
 
@@ -9,7 +11,15 @@ use tdem_engine::physics::contact::{Damping, Friction, Law};
 use tdem_engine::{Constraint, Device, Fault, Integrator, Plan, Simulation, State};
 
 const STEPS: u64 = 600;
-const OPENCL: Device = Device::Gpu { api: Api::OpenCl, index: 0 };
+
+fn gpu() -> Device {
+    let api = match std::env::var("TDEM_TEST_DEVICE").as_deref() {
+        Ok("cuda") => Api::Cuda,
+        Ok("opencl") | Err(_) => Api::OpenCl,
+        Ok(other) => panic!("TDEM_TEST_DEVICE is opencl or cuda, not {other:?}"),
+    };
+    Device::Gpu { api, index: 0 }
+}
 
 fn cpu() -> Device {
     Options::default().into()
@@ -40,7 +50,7 @@ fn assert_same(found: &State, expected: &State, what: &str) {
 
 fn both(state: &State, plan: &Plan, steps: u64, what: &str) -> State {
     let expected = run(state, plan, cpu(), steps).expect("the scene runs through on the CPU");
-    let found = run(state, plan, OPENCL, steps).expect("the scene runs through on the device");
+    let found = run(state, plan, gpu(), steps).expect("the scene runs through on the device");
     assert_same(&found, &expected, what);
     expected
 }
@@ -104,7 +114,7 @@ fn same_bits_with_any_skin_and_when_results_are_taken_often() {
     let expected = run(&state, &plan, cpu(), STEPS).expect("the scene runs through on the CPU");
     for skin in [1e-4, 6e-3] {
         plan.search.skin = skin;
-        let mut simulation = Simulation::new(state.clone(), plan.clone(), OPENCL).expect("the scene is sound");
+        let mut simulation = Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound");
         let mut captures = Vec::new();
         for steps in [1, 2, 7, 50, 540] {
             simulation.advance(steps).expect("the scene runs through");
@@ -125,7 +135,7 @@ fn a_run_moves_between_devices() {
     {
         let (state, plan) = scene(law, integrator, 2.0);
         let expected = run(&state, &plan, cpu(), STEPS).expect("the scene runs through");
-        for devices in [[OPENCL, cpu(), OPENCL], [cpu(), OPENCL, cpu()]] {
+        for devices in [[gpu(), cpu(), gpu()], [cpu(), gpu(), cpu()]] {
             let mut moving = state.clone();
             for (device, steps) in devices.into_iter().zip([1, 136, STEPS - 137]) {
                 let taken = run(&moving, &plan, device, 0).expect("the state is taken up");
@@ -143,7 +153,7 @@ fn a_run_moves_between_devices() {
 fn faults_are_those_of_the_cpu() {
     let (state, plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 2.0);
     let faults = |state: &State, plan: &Plan| {
-        let [on_cpu, on_device] = [cpu(), OPENCL].map(|device| run(state, plan, device, 400).map(|s| s.step));
+        let [on_cpu, on_device] = [cpu(), gpu()].map(|device| run(state, plan, device, 400).map(|s| s.step));
         assert_eq!(on_device, on_cpu);
         on_cpu.expect_err("the scene is at fault")
     };

@@ -30,7 +30,9 @@ pub use format::{markdown, table};
 
 use scene::Bench;
 use std::time::Instant;
-use tdem_engine::{Fault, Plan};
+use tdem_engine::cpu::{List, Options, Width};
+use tdem_engine::gpu::{Api, devices};
+use tdem_engine::{Device, Fault, Plan};
 
 /// When a case is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -155,20 +157,47 @@ pub enum Backend {
     CpuPortable,
     /// The CPU, contacts eight at a time, each pair once.
     CpuLanes,
+    /// A device of an interface for GPUs.
+    Gpu {
+        /// The interface.
+        api: Api,
+        /// The device's index within the interface.
+        index: usize,
+    },
 }
 
 impl Backend {
-    /// All back ends.
-    pub const ALL: [Backend; 3] = [Backend::CpuScalar, Backend::CpuPortable, Backend::CpuLanes];
+    /// The back ends of every machine.
+    pub const CPU: [Backend; 3] = [Backend::CpuScalar, Backend::CpuPortable, Backend::CpuLanes];
+
+    /// The back ends of this machine: those of the CPU, and every device that passes its self-test.
+    #[must_use]
+    pub fn all() -> Vec<Backend> {
+        let usable = devices().into_iter().filter(|device| device.usable.is_ok());
+        let gpus = usable.map(|device| Backend::Gpu { api: device.api, index: device.index });
+        Backend::CPU.into_iter().chain(gpus).collect()
+    }
 
     /// Its name in tables.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Backend::CpuScalar => "cpu",
-            Backend::CpuPortable => "cpu with portable lanes",
-            Backend::CpuLanes => "cpu with lanes",
+            Backend::CpuScalar => "cpu".to_owned(),
+            Backend::CpuPortable => "cpu with portable lanes".to_owned(),
+            Backend::CpuLanes => "cpu with lanes".to_owned(),
+            Backend::Gpu { api, index } => format!("{api} device {index}"),
         }
+    }
+
+    /// The same for the engine; a GPU has no use for the number of threads.
+    fn device(self, threads: usize) -> Device {
+        let (width, list) = match self {
+            Backend::CpuScalar => (Width::One, List::Full),
+            Backend::CpuPortable => (Width::Portable, List::Half),
+            Backend::CpuLanes => (Width::Widest, List::Half),
+            Backend::Gpu { api, index } => return Device::Gpu { api, index },
+        };
+        Options { threads: Some(threads), width, list, cell_factor: 1.0 }.into()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use tdem_engine::Plan;
+use tdem_engine::gpu::Api;
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
 fn spec(backend: Backend) -> Vec<Outcome> {
@@ -16,10 +17,8 @@ fn spec(backend: Backend) -> Vec<Outcome> {
 fn quick_tier_passes_with_equal_bits_on_every_back_end() {
     let reference = spec(Backend::CpuScalar);
     print!("{}", table(&reference));
-    for backend in Backend::ALL {
-        if backend == Backend::CpuScalar {
-            continue;
-        }
+    // A machine without OpenCL fails here.
+    for backend in [Backend::CpuPortable, Backend::CpuLanes, Backend::Gpu { api: Api::OpenCl, index: 0 }] {
         for (outcome, expected) in spec(backend).iter().zip(&reference) {
             assert!(outcome.hash.is_some(), "{} keeps no state", outcome.case.name);
             assert_eq!(outcome.hash, expected.hash, "{} has other bits on {}", outcome.case.name, backend.name());

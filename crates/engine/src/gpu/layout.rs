@@ -349,3 +349,38 @@ kernels! {
         slice: read u32, other: write u32, displacement: write f64, reference: write f64, wall_reference: write Quad,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::devices::open_opencl;
+    use super::super::runtime::{Fetch, Runtime};
+    use super::*;
+    use std::fmt::Write;
+    use tdem_physics::print;
+
+    #[test]
+    fn structs_are_as_large_in_kernels_as_here() {
+        let mut sizes = record_sizes();
+        sizes.extend([
+            (Pair::NAME, size_of::<Pair>()),
+            (Box3::NAME, size_of::<Box3>()),
+            (Vector::NAME, size_of::<Vector>()),
+            (Quad::NAME, size_of::<Quad>()),
+        ]);
+        let mut source = print::types() + &record_definitions();
+        source += "KERNEL(64, 1) sizes(GLOBAL u32 *RESTRICT size)\n{\n    FOR_EACH(i, 1u) {\n";
+        for (k, (name, _)) in sizes.iter().enumerate() {
+            let _ = writeln!(source, "        size[{k}] = (u32)sizeof({name});");
+        }
+        source += "    }\n}\n";
+        let runtime = open_opencl(0).expect("the tests need an OpenCL device");
+        let kernel = runtime.build(&source, &["sizes"]).expect("the structs compile");
+        let memory = runtime.allocate(4 * sizes.len()).expect("there is room");
+        runtime.launch(&kernel[0], 1, 64, &[Argument::Memory(&memory)]).expect("it runs");
+        let mut found = runtime.fetch(&memory, 4 * sizes.len()).expect("it is fetched");
+        let found: &[u32] = bytemuck::cast_slice(found.wait().expect("it arrives"));
+        for ((name, size), &found) in sizes.iter().zip(found) {
+            assert_eq!(found as usize, *size, "{name}");
+        }
+    }
+}

@@ -18,19 +18,63 @@ use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, 
 use opencl3::platform::get_platforms;
 use opencl3::program::Program;
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING, cl_mem};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::mem::ManuallyDrop;
 use std::ptr;
 use std::slice;
 use std::sync::{Arc, Mutex, PoisonError};
+use xxhash_rust::xxh3::xxh3_128;
 
 /// A device of OpenCL with one queue that keeps its order.
 pub(crate) struct OpenCl {
-    device: Device,
-    context: Context,
+    shared: Arc<Shared>,
     queue: CommandQueue,
     /// For mapping host memory, which would wait for all work in the other queue.
     mapping: Arc<CommandQueue>,
     pool: Pool<Mapped>,
+}
+
+/// What all users of a device in this process share: a driver takes long to build a program, and some do it anew even
+/// for a source that they know. It is kept until the process ends.
+struct Shared {
+    device: Device,
+    context: Context,
+    /// Built programs by the hash of their source.
+    programs: Mutex<BTreeMap<u128, Program>>,
+}
+
+impl Shared {
+    fn of(device: Device) -> Result<Arc<Self>, Error> {
+        static DEVICES: Mutex<Vec<Arc<Shared>>> = Mutex::new(Vec::new());
+        let mut known = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(shared) = known.iter().find(|shared| shared.device.id() == device.id()) {
+            return Ok(Arc::clone(shared));
+        }
+        let context = Context::from_device(&device).map_err(|e| failed("clCreateContext", e))?;
+        let shared = Arc::new(Shared { device, context, programs: Mutex::default() });
+        known.push(Arc::clone(&shared));
+        Ok(shared)
+    }
+    /// Uses the program of this whole source, built if it is new.
+    fn with_program<T>(&self, source: &str, f: impl FnOnce(&Program) -> Result<T, Error>) -> Result<T, Error> {
+        let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        match programs.entry(xxh3_128(source.as_bytes())) {
+            Entry::Occupied(known) => f(known.get()),
+            Entry::Vacant(free) => f(free.insert(self.program(source)?)),
+        }
+    }
+    fn program(&self, source: &str) -> Result<Program, Error> {
+        let mut program =
+            Program::create_from_source(&self.context, source).map_err(|e| failed("clCreateProgramWithSource", e))?;
+        program.build(self.context.devices(), "-cl-std=CL1.2").map_err(|error| match error {
+            ClError(CL_BUILD_PROGRAM_FAILURE) => Error::Compile {
+                log: program.get_build_log(self.device.id()).unwrap_or_else(|_| "no log".to_owned()).trim().to_owned(),
+            },
+            error => failed("clBuildProgram", error),
+        })?;
+        Ok(program)
+    }
 }
 
 /// Memory of the device.
@@ -131,18 +175,18 @@ impl OpenCl {
         if device.double_fp_config().unwrap_or(0) == 0 {
             return Err(Error::Missing { why: "the device has no 64-bit reals".to_owned() });
         }
-        let context = Context::from_device(&device).map_err(|e| failed("clCreateContext", e))?;
+        let shared = Shared::of(device)?;
         let queue = || {
             #[allow(deprecated, reason = "the newer call is not part of OpenCL 1.2")]
-            CommandQueue::create_default(&context, 0).map_err(|e| failed("clCreateCommandQueue", e))
+            CommandQueue::create_default(&shared.context, 0).map_err(|e| failed("clCreateCommandQueue", e))
         };
         let (queue, mapping) = (queue()?, Arc::new(queue()?));
-        Ok(OpenCl { device, context, queue, mapping, pool: Pool::new() })
+        Ok(OpenCl { shared, queue, mapping, pool: Pool::new() })
     }
     fn map(&self, capacity: usize) -> Result<Mapped, Error> {
         let flags = CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR;
         // SAFETY: no host pointer is given.
-        let buffer = unsafe { Buffer::create(&self.context, flags, capacity, ptr::null_mut()) };
+        let buffer = unsafe { Buffer::create(&self.shared.context, flags, capacity, ptr::null_mut()) };
         let buffer = buffer.map_err(|e| no_room("clCreateBuffer", e, capacity))?;
         let mut start: cl_mem = ptr::null_mut();
         let flags = CL_MAP_READ | CL_MAP_WRITE;
@@ -166,26 +210,20 @@ impl Runtime for OpenCl {
     type Fetch = Transfer;
 
     fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
-        let mut program = Program::create_from_source(&self.context, &[PRELUDE, source].concat())
-            .map_err(|e| failed("clCreateProgramWithSource", e))?;
-        program.build(self.context.devices(), "-cl-std=CL1.2").map_err(|error| match error {
-            ClError(CL_BUILD_PROGRAM_FAILURE) => Error::Compile {
-                log: program.get_build_log(self.device.id()).unwrap_or_else(|_| "no log".to_owned()).trim().to_owned(),
-            },
-            error => failed("clBuildProgram", error),
-        })?;
-        let kernel = |name: &&'static str| {
-            let refusal = |e| Error::Call { call: "clCreateKernel", message: format!("{e} ({name})") };
-            let kernel = opencl3::kernel::Kernel::create(&program, name).map_err(refusal)?;
-            let arguments = kernel.num_args().map_err(|e| failed("clGetKernelInfo", e))? as usize;
-            Ok(Kernel { kernel, arguments })
-        };
-        names.iter().map(kernel).collect()
+        self.shared.with_program(&[PRELUDE, source].concat(), |program| {
+            let kernel = |name: &&'static str| {
+                let refusal = |e| Error::Call { call: "clCreateKernel", message: format!("{e} ({name})") };
+                let kernel = opencl3::kernel::Kernel::create(program, name).map_err(refusal)?;
+                let arguments = kernel.num_args().map_err(|e| failed("clGetKernelInfo", e))? as usize;
+                Ok(Kernel { kernel, arguments })
+            };
+            names.iter().map(kernel).collect()
+        })
     }
 
     fn allocate(&self, bytes: usize) -> Result<Memory, Error> {
         // SAFETY: no host pointer is given.
-        let buffer = unsafe { Buffer::create(&self.context, CL_MEM_READ_WRITE, bytes.max(1), ptr::null_mut()) };
+        let buffer = unsafe { Buffer::create(&self.shared.context, CL_MEM_READ_WRITE, bytes.max(1), ptr::null_mut()) };
         let memory = Memory { buffer: buffer.map_err(|e| no_room("clCreateBuffer", e, bytes))? };
         // Some vendors give out memory at its first use: that must fail here, not in a kernel.
         self.fill(&memory, 1).map_err(|e| no_room("clEnqueueFillBuffer", e, bytes))?;

@@ -20,7 +20,8 @@ const FARTHEST_STEP: usize = 3;
 const ASTRAY: u32 = 2;
 const CRUSHED: u32 = 4;
 
-/// Steps launched before the status is looked at. Two batches are under way, so that the device never waits.
+/// Steps launched before the status is looked at, at most: fewer where lists do not last as long, since what is launched
+/// behind a halt does nothing. Two batches are under way, so that the device never waits.
 const BATCH: u64 = 16;
 const BATCHES: usize = 2;
 
@@ -49,6 +50,8 @@ pub(crate) struct Gpu<R: Runtime> {
     status: Buffer<u32, R::Memory>,
     pub(super) step_record: Step,
     fused: bool,
+    /// Steps of the next batch.
+    batch: u64,
     pub(super) searches: u64,
     /// The longest way of a particle or wall in the last step, if it matters to the list, m.
     pub(super) step_way: f64,
@@ -80,6 +83,7 @@ impl<R: Runtime> Gpu<R> {
             status: queue.zeros(STATUS)?,
             step_record: step_record(plan, &state),
             fused: variant.fused(),
+            batch: BATCH,
             searches: 0,
             step_way: if plan.ledger { speed_squared.sqrt() * plan.dt } else { 0.0 },
             queue,
@@ -121,10 +125,13 @@ impl<R: Runtime> Gpu<R> {
         let mut done = 0;
         if self.plan.search.every_step {
             while done < steps {
-                let status = self.status()?;
+                // The status arrives while histories are put aside, which changes nothing that a fault is worked out from.
+                let status = self.queue.fetch(&self.status, STATUS)?;
+                let histories = self.carry_histories()?;
+                let status = words(status.take()?);
                 self.fault_in(status, done, steps)?;
                 self.note_way(status);
-                self.list_anew()?;
+                self.list_with(histories)?;
                 self.launch_step(done + 1 == steps)?;
                 done += 1;
             }
@@ -146,7 +153,7 @@ impl<R: Runtime> Gpu<R> {
         let mut pending: VecDeque<Arriving<u32, R>> = VecDeque::new();
         loop {
             while launched < steps && pending.len() < BATCHES {
-                for _ in 0..BATCH.min(steps - launched) {
+                for _ in 0..self.batch.min(steps - launched) {
                     launched += 1;
                     self.launch_step(launched == steps)?;
                 }
@@ -161,11 +168,14 @@ impl<R: Runtime> Gpu<R> {
                 let fused = if self.fused { reached - done - u64::from(reached == steps) } else { 0 };
                 self.now = (start + fused as usize) % 2;
                 self.fault_in(status, reached, steps)?;
+                self.batch = (reached - done).clamp(1, BATCH);
                 self.note_way(status);
-                self.list_anew()?;
+                let histories = self.carry_histories()?;
+                self.list_with(histories)?;
                 self.queue.upload(&self.status, &[0, 0, reached as u32, 0])?;
                 return Ok(reached);
             }
+            self.batch = (2 * self.batch).min(BATCH);
         }
     }
 

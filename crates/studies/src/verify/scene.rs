@@ -1,7 +1,6 @@
 //! What the cases share: materials, scenes, and the bench that judges.
 
 use super::{Backend, Check, Kind, Tolerance};
-use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::physics::contact::damping::restitution_factor;
 use tdem_engine::physics::contact::{Interaction, Law};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
@@ -242,16 +241,11 @@ impl Bench {
     pub(super) fn start(&self, scene: &Scene) -> Result<Simulation, Fault> {
         self.start_on(scene, 1)
     }
-    /// The same on several threads.
+    /// The same on several threads, where the back end has threads.
     pub(super) fn start_on(&self, scene: &Scene, threads: usize) -> Result<Simulation, Fault> {
         let mut plan = scene.plan.clone();
         (self.alter)(&mut plan);
-        let (width, list) = match self.backend {
-            Backend::CpuScalar => (Width::One, List::Full),
-            Backend::CpuPortable => (Width::Portable, List::Half),
-            Backend::CpuLanes => (Width::Widest, List::Half),
-        };
-        Simulation::new(scene.state.clone(), plan, &Options { threads: Some(threads), width, list, cell_factor: 1.0 })
+        Simulation::new(scene.state.clone(), plan, self.backend.device(threads))
     }
     /// The state after a number of steps.
     pub(super) fn after(&mut self, scene: &Scene, steps: u64) -> Result<State, Fault> {
