@@ -18,7 +18,8 @@ const LONG_ABOUT: &str = "\
 Discrete element simulations of spheres that collide, rub and roll.
 
 A case is a TOML file; a run is a directory with frames for ParaView, a history as CSV, and checkpoints. \
-The same case gives the same result to the last bit on any number of threads, and when it is stopped and resumed.";
+The same case gives the same result to the last bit on any number of threads, on a CPU or a GPU, and when it is stopped \
+and resumed.";
 
 const EXAMPLES: &str = "\
 Examples:

@@ -5,13 +5,13 @@ use crate::render::{Report, Reports};
 use crate::units::counted;
 use std::str::FromStr;
 use std::thread::available_parallelism;
-use tdem_engine::gpu::{Api, Listing, survey};
+use tdem_engine::gpu::{Api, Listing, Survey};
 use tdem_engine::{Device, cpu};
 
 /// What was asked for: `auto`, `cpu`, `opencl`, `cuda:1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// The fastest that can be used.
+    /// The first GPU that can be used, CUDA's before OpenCL's, else the processor.
     Auto,
     /// The processor.
     Cpu,
@@ -58,37 +58,19 @@ pub(crate) struct Found {
 impl Choice {
     /// Finds the device; `options` are for the processor.
     pub(crate) fn find(self, options: cpu::Options) -> Result<Found, Reports> {
-        let processor = Found { device: options.into(), name: processor(&options) };
+        let processor = || Found { device: options.into(), name: processor(&options) };
         match self {
-            Choice::Cpu => Ok(processor),
-            Choice::Auto => {
-                let mut usable: Vec<Listing> =
-                    survey().devices.into_iter().filter(|d| d.usable.is_ok() && !d.processor).collect();
-                // Both interfaces show the same cards; CUDA is a little faster.
-                usable.sort_by_key(|d| d.api != Api::Cuda);
-                Ok(usable.into_iter().next().map_or(processor, found))
-            }
+            Choice::Cpu => Ok(processor()),
+            // Both interfaces show the same cards; CUDA is a little faster, and lists the fastest first.
+            Choice::Auto => Ok([Api::Cuda, Api::OpenCl]
+                .into_iter()
+                .flat_map(|api| Survey::of(api, |device| !device.processor).devices)
+                .find(|device| device.usable.is_ok())
+                .map_or_else(processor, |device| found(&device))),
             Choice::Gpu(api, index) => {
-                let survey = survey();
-                let mut candidates =
-                    survey.devices.into_iter().filter(|d| d.api == api && index.is_none_or(|index| d.index == index));
-                let mut refused = Vec::new();
-                candidates
-                    .find_map(|d| match &d.usable {
-                        Ok(()) => Some(found(d)),
-                        Err(why) => {
-                            refused.push(format!("{}: {why}", d.name));
-                            None
-                        }
-                    })
-                    .ok_or_else(|| {
-                        refused.extend(survey.missing.into_iter().filter(|m| m.0 == api).map(|(_, why)| why));
-                        let why =
-                            if refused.is_empty() { "there is no such device".to_owned() } else { refused.join("\n") };
-                        Report::new("tdem::device::missing", format!("{api} cannot be used: {why}"))
-                            .help("`tdem info` lists the devices; --device cpu always works")
-                            .into()
-                    })
+                let survey = Survey::of(api, |device| index.is_none_or(|index| device.index == index));
+                let usable = survey.devices.iter().find(|device| device.usable.is_ok()).map(found);
+                usable.ok_or_else(|| refusal(api, index, survey).into())
             }
         }
     }
@@ -100,9 +82,24 @@ fn processor(options: &cpu::Options) -> String {
     format!("CPU, {}, {width}", counted(threads as u64, "thread"))
 }
 
-fn found(listing: Listing) -> Found {
+fn found(listing: &Listing) -> Found {
     Found {
         device: Device::Gpu { api: listing.api, index: listing.index },
         name: format!("{} through {}", listing.name, listing.api),
     }
+}
+
+/// Why there is no such device.
+fn refusal(api: Api, index: Option<usize>, survey: Survey) -> Report {
+    let refused = survey.devices.into_iter().filter_map(|device| {
+        let why = device.usable.err()?;
+        Some(format!("{}:{} ({}) cannot be used: {why}", word(api), device.index, device.name))
+    });
+    let missing = survey.missing.into_iter().map(|(api, why)| format!("{api} cannot be used: {why}"));
+    let mut reasons: Vec<String> = refused.chain(missing).collect();
+    if let (true, Some(index)) = (reasons.is_empty(), index) {
+        reasons.push(format!("there is no device {}:{index}", word(api)));
+    }
+    Report::new("tdem::device::missing", reasons.join("\n"))
+        .help("`tdem info` lists the devices that there are; --device cpu works everywhere, with the same bits")
 }

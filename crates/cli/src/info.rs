@@ -26,6 +26,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// A new line of what stands in the second column.
+const INDENT: &str = "\n                 ";
+
 fn of_machine() -> String {
     let cores = available_parallelism().map_or(1, usize::from) as u64;
     let mut text = format!("tdem {}\n", env!("CARGO_PKG_VERSION"))
@@ -49,7 +52,7 @@ fn of_machine() -> String {
             "",
             match &device.usable {
                 Ok(()) => "self-test passed, the bits of the CPU: can be used".to_owned(),
-                Err(why) => format!("cannot be used: {why}"),
+                Err(why) => format!("cannot be used: {}", why.replace('\n', INDENT)),
             },
         );
     }

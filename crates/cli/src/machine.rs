@@ -10,15 +10,15 @@ use tdem_engine::cpu;
 #[command(next_help_heading = "Machine (no bit of the result depends on it)")]
 pub(crate) struct Machine {
     /// What computes: auto, cpu, opencl, cuda, or one of several: cuda:1; "auto" takes a GPU that can be used, else the CPU
-    #[arg(long, default_value = "auto")]
+    #[arg(long, value_name = "DEVICE", default_value = "auto")]
     device: Choice,
     /// Threads of the CPU [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Compute contacts one by one instead of eight at a time: slower, for comparison
+    /// On the CPU, compute contacts one by one instead of eight at a time: slower, for comparison
     #[arg(long)]
     scalar: bool,
-    /// List each pair once, or from both sides: slower, for comparison
+    /// On the CPU, list each pair once, or from both sides: slower, for comparison
     #[arg(long, value_enum, default_value_t = List::Half)]
     list: List,
 }

@@ -3,6 +3,7 @@
 use crate::cases;
 use crate::console::say;
 use crate::render::{self, Report, Reports};
+use crate::signals::Signals;
 use crate::units::{argument, grouped, short};
 use crate::work::{self, Work, print_hash};
 use clap::Args;
@@ -25,8 +26,9 @@ const EXAMPLES: &str = "\
 Examples:
   tdem resume runs/packing
   tdem resume runs/packing --steps 50000 --hash
+  tdem resume runs/packing --device cuda
 
-The result is the same to the last bit as if the run had never been interrupted.";
+The result is the same to the last bit as if the run had never been interrupted, on any device.";
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let run = &arguments.run;
@@ -35,6 +37,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         return Err(Error::NotARun { path: run.clone() }.into());
     }
     let loaded = cases::load(&case, &[])?;
+    let signals = Signals::catch()?;
     arguments.work.machine.prepare()?;
     let device = arguments.work.machine.find()?;
     let built = cases::build(&loaded)?;
@@ -93,6 +96,6 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         ));
     }
     let simulation = Simulation::new(state, built.plan, &device.device)?;
-    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work };
+    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work, signals };
     work.run(simulation)
 }

@@ -2,6 +2,7 @@
 
 use crate::console::say;
 use crate::render::{self, Reports};
+use crate::signals::Signals;
 use crate::work::{self, Work};
 use crate::{cases, memory, summary};
 use clap::Args;
@@ -34,6 +35,7 @@ Examples:
   tdem run cases/packing.toml
   tdem run cases/packing.toml --set size=83k --out runs/crystal
   tdem run cases/packing.toml --set time.end=0.5 --set interaction.0.static_friction=0.3
+  tdem run cases/packing.toml --set size=3m --device cuda
   tdem run cases/packing.toml --steps 1000 --hash --overwrite
 
 Ctrl-C writes a checkpoint and ends, and so does a terminal that closes; `tdem resume` goes on. A second Ctrl-C ends
@@ -46,6 +48,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if !arguments.overwrite && out.join("case.toml").exists() {
         return Err(Error::RunExists { path: out }.into());
     }
+    let signals = Signals::catch()?;
     arguments.work.machine.prepare()?;
     let device = arguments.work.machine.find()?;
     let built = cases::build(&loaded)?;
@@ -58,7 +61,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let kept = cases::kept(&loaded, &built)?;
     let simulation = Simulation::new(built.state, built.plan, &device.device)?;
     let directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
-    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work };
+    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work, signals };
     work.run(simulation)
 }
 

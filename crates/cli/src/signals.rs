@@ -1,4 +1,5 @@
-//! Ctrl-C, SIGTERM and SIGHUP: the first asks for a checkpoint and an end, the second ends at once.
+//! Ctrl-C, SIGTERM and SIGHUP: the first asks for a checkpoint and an end, the second ends at once. Before there is
+//! anything to checkpoint, the first ends at once.
 
 use crate::render::{Report, Reports};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -6,7 +7,7 @@ use signal_hook::iterator;
 use signal_hook::low_level::exit;
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -18,26 +19,30 @@ const ECHO: Duration = Duration::from_millis(500);
 #[derive(Debug)]
 pub(crate) struct Signals {
     caught: Arc<AtomicU8>,
+    /// Whether a run is under way.
+    running: Arc<AtomicBool>,
 }
 
 impl Signals {
-    /// From now on, signals are caught.
+    /// From now on, signals are caught. This comes before drivers of devices are loaded: some of them (PoCL) handle
+    /// signals as well, and do so only once, for whoever was there before them.
     pub(crate) fn catch() -> Result<Self, Reports> {
         Self::listen()
             .map_err(|error| Report::new("tdem::cli::signals", format!("cannot catch signals: {error}")).into())
     }
 
     fn listen() -> io::Result<Self> {
-        let caught = Arc::new(AtomicU8::new(0));
+        let (caught, running) = (Arc::new(AtomicU8::new(0)), Arc::new(AtomicBool::new(false)));
         let mut incoming = iterator::Signals::new([SIGINT, SIGTERM])?;
         if hears_hangup() {
             incoming.add_signal(SIGHUP)?;
         }
-        let told = Arc::clone(&caught);
+        let (told, graceful) = (Arc::clone(&caught), Arc::clone(&running));
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
             let mut first: Option<Instant> = None;
             for signal in incoming.forever() {
                 match first {
+                    None if !graceful.load(Ordering::Relaxed) => exit(128 + signal),
                     None => {
                         first = Some(Instant::now());
                         told.store(signal as u8, Ordering::Relaxed);
@@ -47,7 +52,12 @@ impl Signals {
                 }
             }
         })?;
-        Ok(Signals { caught })
+        Ok(Signals { caught, running })
+    }
+
+    /// From now on, the first signal only asks for an end.
+    pub(crate) fn defer(&self) {
+        self.running.store(true, Ordering::Relaxed);
     }
 
     /// The number of a signal that asks to stop.

@@ -7,7 +7,7 @@ use crate::progress::Watch;
 use crate::render::{Report, Reports};
 use crate::signals::{self, Signals};
 use crate::summary;
-use crate::units::{argument, grouped, short};
+use crate::units::{argument, bytes, grouped, short};
 use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
@@ -47,6 +47,7 @@ pub(crate) struct Work<'a> {
     pub(crate) of_case: Schedule,
     pub(crate) fields: Fields,
     pub(crate) arguments: &'a Arguments,
+    pub(crate) signals: Signals,
 }
 
 impl Work<'_> {
@@ -56,9 +57,9 @@ impl Work<'_> {
         let particles = simulation.particles();
         let dt = simulation.plan().dt;
         let schedule = self.arguments.schedule(self.of_case);
-        let signals = Signals::catch()?;
+        self.signals.defer();
         self.directory.set_contents(cases::contents(self.fields));
-        let mut watch = Watch::new(&signals, self.arguments.quiet);
+        let mut watch = Watch::new(&self.signals, self.arguments.quiet);
         let outcome = session::run(simulation, &mut self.directory, &schedule, &mut watch);
         let took = began.elapsed();
         let last = watch.finish();
@@ -90,7 +91,7 @@ impl Work<'_> {
                 Ok(ExitCode::SUCCESS)
             }
             Outcome::Interrupted { step } => {
-                let signal = signals.caught().unwrap_or(0);
+                let signal = self.signals.caught().unwrap_or(0);
                 let steps = self.arguments.steps.map_or(String::new(), |steps| format!(" --steps {steps}"));
                 say(format!(
                     "Stopped by {} at step {} of {}, t = {} s; a checkpoint was written.\nGo on with: tdem resume {}{steps}",
@@ -115,23 +116,62 @@ fn fault_report(error: RunError, dt: f64) -> Reports {
     match error {
         RunError::Results(error) => error.into(),
         RunError::Fault { fault, checkpoint, path } => {
-            let cause = match &fault {
-                Fault::NotFinite { .. } | Fault::Escaped { .. } | Fault::Overlap { .. } => format!(
-                    "most often the time step is too large (it is {} s; `tdem check` shows the limits), or something was \
-                     prescribed that pushes particles into each other or through walls\n",
-                    short(dt)
-                ),
-                Fault::Device(error) => format!("{}\n", device_remedy(error)),
-                _ => String::new(),
-            };
             let run = argument(&path);
-            Report::new(fault_code(&fault), format!("{fault}; the last good checkpoint is of step {checkpoint}"))
-                .help(format!(
-                    "{cause}what was written is whole: `tdem info {run}` lists it\n\
-                     `tdem resume {run}` goes on from step {checkpoint}, and meets the same fault unless --steps ends \
-                     before it; after changing the case: `tdem run CASE.toml --overwrite`"
-                ))
-                .into()
+            let whole = format!("what was written is whole: `tdem info {run}` lists it");
+            let help = match &fault {
+                Fault::Device(error) => format!(
+                    "{}\n{whole}\n`tdem resume {run} --device cpu` goes on from step {checkpoint}, to the same bits",
+                    device_help(error)
+                ),
+                _ => format!(
+                    "{}{whole}\n`tdem resume {run}` goes on from step {checkpoint}, and meets the same fault unless \
+                     --steps ends before it; after changing the case: `tdem run CASE.toml --overwrite`",
+                    cause(&fault, dt)
+                ),
+            };
+            let message = format!("{}; the last good checkpoint is of step {checkpoint}", told(&fault));
+            Report::new(fault_code(&fault), message).help(help).into()
+        }
+    }
+}
+
+/// What most often is behind a fault.
+fn cause(fault: &Fault, dt: f64) -> String {
+    match fault {
+        Fault::NotFinite { .. } | Fault::Escaped { .. } | Fault::Overlap { .. } => format!(
+            "most often the time step is too large (it is {} s; `tdem check` shows the limits), or something was \
+             prescribed that pushes particles into each other or through walls\n",
+            short(dt)
+        ),
+        _ => String::new(),
+    }
+}
+
+/// The fault in words.
+fn told(fault: &Fault) -> String {
+    match fault {
+        Fault::Device(gpu::Error::OutOfMemory { bytes: asked }) => {
+            format!("the device has no room for {} more", bytes(*asked as u64))
+        }
+        fault => fault.to_string(),
+    }
+}
+
+/// What to do about a device.
+fn device_help(error: &gpu::Error) -> &'static str {
+    match error {
+        gpu::Error::Missing { .. } => "`tdem info` lists the devices that there are",
+        gpu::Error::OutOfMemory { .. } => {
+            "`tdem check` tells how much memory a case takes in all, `tdem info` how much a device has; other programs \
+             may hold some of it\ntake fewer particles, a model without moments, output.ledger = false, or another device"
+        }
+        gpu::Error::Compile { .. } => {
+            "no case should cause this: please report it with what the compiler said, the lines of `tdem info`, and the \
+             output of `tdem kernels CASE.toml`"
+        }
+        gpu::Error::Call { .. } => {
+            "most often the device or its driver has failed, or another program has taken the device down: `tdem info` \
+             tests it"
         }
     }
 }
@@ -145,35 +185,24 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",
         Fault::Threads { .. } => "tdem::run::threads",
         Fault::Inconsistent { .. } => "tdem::run::inconsistent",
-        Fault::Device(_) => "tdem::run::device",
-    }
-}
-
-/// What can be done about a device that refuses.
-fn device_remedy(error: &gpu::Error) -> &'static str {
-    match error {
-        gpu::Error::OutOfMemory { .. } => {
-            "`tdem check` says what the case needs; take fewer particles, a device with more memory, or --device cpu"
-        }
-        gpu::Error::Compile { .. } => {
-            "the driver's compiler may be too old or at fault: try a newer driver, the other interface, or --device cpu; \
-             `tdem kernels CASE.toml` prints what it was given"
-        }
-        gpu::Error::Missing { .. } => "`tdem info` lists the devices; --device cpu always works",
-        gpu::Error::Call { .. } => {
-            "the device may have been reset or lost; `tdem info` tests it, and a run can go on with another one: \
-             `tdem resume DIR --device cpu`"
-        }
+        Fault::Device(gpu::Error::Missing { .. }) => "tdem::device::missing",
+        Fault::Device(gpu::Error::OutOfMemory { .. }) => "tdem::device::out-of-memory",
+        Fault::Device(gpu::Error::Compile { .. }) => "tdem::device::compile",
+        Fault::Device(gpu::Error::Call { .. }) => "tdem::device::call",
     }
 }
 
 impl From<Fault> for Reports {
+    /// A fault before the first step.
     fn from(fault: Fault) -> Self {
-        let report = Report::new(fault_code(&fault), fault.to_string());
+        let report = Report::new(fault_code(&fault), told(&fault));
         match &fault {
-            Fault::Device(error) => report.help(device_remedy(error)).into(),
-            _ => report.into(),
+            Fault::Device(error) => {
+                report.help(format!("{}\n`--device cpu` works everywhere, with the same bits", device_help(error)))
+            }
+            _ => report,
         }
+        .into()
     }
 }
 
@@ -219,5 +248,27 @@ impl From<Error> for Reports {
             Some(help) => report.help(help).into(),
             None => report.into(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render;
+
+    #[test]
+    fn a_device_that_fails_is_told_with_its_size_and_a_way_on() {
+        let full = || Fault::Device(gpu::Error::OutOfMemory { bytes: 3_200_000_000 });
+        let before = render::text(&full().into());
+        for part in ["tdem::device::out-of-memory", "no room for 3.2 GB more", "tdem check", "--device cpu"] {
+            assert!(before.contains(part), "`{part}` is not in:\n{before}");
+        }
+        let amid = RunError::Fault { fault: full(), checkpoint: 700, path: "runs/silo".into() };
+        let amid = render::text(&fault_report(amid, 1e-5));
+        assert!(amid.contains("tdem resume runs/silo --device cpu` goes on from step 700"), "{amid}");
+        assert!(!amid.contains("meets the same fault"), "{amid}");
+        let call = gpu::Error::Call { call: "cuLaunchKernel", message: "an illegal access".to_owned() };
+        let call = render::text(&Fault::Device(call).into());
+        assert!(call.contains("tdem::device::call") && call.contains("cuLaunchKernel"), "{call}");
     }
 }

@@ -12,7 +12,9 @@ fn wrong_usage_is_2() {
     room.tdem(&["run"]).exits(2).complains(&["CASE.toml"]);
     room.tdem(&["run", "case.toml", "--set", "foo"]).exits(2).complains(&["write KEY=VALUE"]);
     room.tdem(&["run", "case.toml", "--threads", "0"]).exits(2);
-    room.tdem(&["run", "case.toml", "--device", "cuda"]).exits(2).complains(&["auto, cpu"]);
+    for device in ["gpu", "cpu:0", "opencl:first", "cuda:"] {
+        room.tdem(&["run", "case.toml", "--device", device]).exits(2).complains(&["--device", device]);
+    }
     room.tdem(&["picture", "x", "--view", "sideways"]).exits(2).complains(&["corner"]);
     assert!(!room.path("runs").exists());
 }
@@ -24,6 +26,17 @@ fn a_file_that_is_not_there() {
     for command in ["resume", "info", "pack", "picture"] {
         room.tdem(&[command, "nowhere"]).exits(1).complains(&["tdem::results::not-a-run", "nowhere"]);
     }
+}
+
+#[test]
+fn a_device_that_is_not_there() {
+    let room = Room::new();
+    room.tdem(&["run", "case.toml", "--steps", "10"]).exits(0);
+    for arguments in [&["run", "case.toml", "--out", "new"][..], &["resume", "runs/case"]] {
+        let said = room.tdem(&[arguments, &["--device", "opencl:99"]].concat());
+        said.exits(1).complains(&["tdem::device::missing", "opencl:99", "tdem info", "--device cpu"]);
+    }
+    assert!(!room.path("new").exists());
 }
 
 #[test]

@@ -44,6 +44,20 @@ fn a_run_in_parts_is_the_run_in_one() {
     assert_eq!(frames("parts"), frames("whole"));
 }
 
+/// Needs a device of OpenCL; PoCL will do.
+#[test]
+fn a_run_may_change_devices_on_its_way() {
+    let room = Room::new();
+    let whole = room.hash(&[&run("whole")[..], &["--device", "cpu"]].concat());
+    room.tdem(&["run", "case.toml", "--out", "moved", "--steps", "201", "--device", "cpu"]).exits(0);
+    let said = room.tdem(&["resume", "moved", "--steps", "533", "--device", "opencl"]).exits(0);
+    said.complains(&["checkpoint of step 201", "through OpenCL"]);
+    let said = room.tdem(&["resume", "moved", "--device", "cpu", "--hash"]).exits(0);
+    let said = said.complains(&["checkpoint of step 533", "CPU"]);
+    assert_eq!(said.out.trim(), whole);
+    assert_eq!(history_steps(&room.path("moved")), history_steps(&room.path("whole")));
+}
+
 #[test]
 fn a_damaged_checkpoint_is_passed_over() {
     let room = Room::new();
@@ -72,29 +86,36 @@ mod unix {
     /// Long enough to be interrupted.
     const LONG: [&str; 2] = ["--set", "time.end=2.0"];
 
-    fn a_signal_leaves_a_checkpoint_and_the_same_end(name: &str, number: i32) {
+    fn a_signal_leaves_a_checkpoint_and_the_same_end(name: &str, number: i32, device: &str) {
         let room = Room::new();
         let expected = room.hash(&[&run("whole")[..], &LONG].concat());
-        let process = room.start(&[&run("cut")[..], &LONG].concat());
+        let process = room.start(&[&run("cut")[..], &LONG, &["--device", device]].concat());
         assert!(eventually(|| !room.checkpoints("cut").is_empty()));
         // `timeout`, shells and batch systems let one request arrive twice.
         signal(&process, name);
         signal(&process, name);
         let said = Said::of(&process.wait_with_output().unwrap()).exits(128 + number);
-        let said = said.complains(&[&format!("SIG{name}"), "a checkpoint was written", "tdem resume cut"]);
+        let named = if name == "INT" { "Ctrl-C".to_owned() } else { format!("SIG{name}") };
+        let said = said.complains(&[&named, "a checkpoint was written", "tdem resume cut"]);
         assert_eq!(said.out, "");
         assert_eq!(room.hash(&["resume", "cut", "--hash"]), expected);
     }
 
     #[test]
     fn sigterm_leaves_a_checkpoint_and_the_same_end() {
-        a_signal_leaves_a_checkpoint_and_the_same_end("TERM", 15);
+        a_signal_leaves_a_checkpoint_and_the_same_end("TERM", 15, "auto");
     }
 
     #[cfg(target_os = "linux")]
     #[test]
     fn a_terminal_that_closes_leaves_a_checkpoint_and_the_same_end() {
-        a_signal_leaves_a_checkpoint_and_the_same_end("HUP", 1);
+        a_signal_leaves_a_checkpoint_and_the_same_end("HUP", 1, "auto");
+    }
+
+    /// Drivers of devices may handle signals in their own way.
+    #[test]
+    fn ctrl_c_on_a_device_leaves_a_checkpoint_and_the_same_end() {
+        a_signal_leaves_a_checkpoint_and_the_same_end("INT", 2, "opencl");
     }
 
     #[test]

@@ -67,20 +67,30 @@ pub fn devices() -> Vec<Listing> {
 /// The devices of all interfaces, and why an interface has none. Each device runs the self-test.
 #[must_use]
 pub fn survey() -> Survey {
-    let mut survey = Survey { devices: Vec::new(), missing: Vec::new() };
-    survey.add(Api::OpenCl, OpenCl::list(), |index| open_opencl(index).map(drop));
-    survey.add(Api::Cuda, Cuda::list(), |index| open_cuda(index).map(drop));
-    survey
+    let mut all = Survey::of(Api::OpenCl, |_| true);
+    let cuda = Survey::of(Api::Cuda, |_| true);
+    all.devices.extend(cuda.devices);
+    all.missing.extend(cuda.missing);
+    all
 }
 
 impl Survey {
-    fn add(&mut self, api: Api, list: Result<Vec<Listing>, Error>, open: impl Fn(usize) -> Result<(), Error>) {
+    /// The devices of one interface. Those that are wanted run the self-test, the others are left out.
+    #[must_use]
+    pub fn of(api: Api, wanted: impl Fn(&Listing) -> bool) -> Self {
+        let (list, open): (_, fn(usize) -> Result<(), Error>) = match api {
+            Api::OpenCl => (OpenCl::list(), |index| open_opencl(index).map(drop)),
+            Api::Cuda => (Cuda::list(), |index| open_cuda(index).map(drop)),
+        };
         match list {
-            Ok(list) => self.devices.extend(list.into_iter().map(|mut device| {
-                device.usable = open(device.index).map_err(|error| error.to_string());
-                device
-            })),
-            Err(error) => self.missing.push((api, error.to_string())),
+            Ok(mut devices) => {
+                devices.retain(wanted);
+                for device in &mut devices {
+                    device.usable = open(device.index).map_err(|error| error.to_string());
+                }
+                Survey { devices, missing: Vec::new() }
+            }
+            Err(error) => Survey { devices: Vec::new(), missing: vec![(api, error.to_string())] },
         }
     }
 }
