@@ -95,7 +95,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             device.name
         ));
     }
-    let simulation = Simulation::new(state, built.plan, &device.device)?;
+    let simulation = Simulation::new(state, built.plan, device.device)?;
     let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work, signals };
     work.run(simulation)
 }

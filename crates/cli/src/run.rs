@@ -59,7 +59,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         say(summary::before(&loaded, &built, &schedule, &device.name, &out));
     }
     let kept = cases::kept(&loaded, &built)?;
-    let simulation = Simulation::new(built.state, built.plan, &device.device)?;
+    let simulation = Simulation::new(built.state, built.plan, device.device)?;
     let directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
     let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work, signals };
     work.run(simulation)

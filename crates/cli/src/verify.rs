@@ -1,13 +1,14 @@
 //! `tdem verify`: the engine against closed forms and published values.
 
 use crate::console::{data, say};
-use crate::device::Choice;
+use crate::device::{Choice, word};
 use crate::render::{Report, Reports};
 use crate::units::clock;
 use clap::Args;
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::Duration;
+use tdem_engine::gpu::devices;
 use tdem_engine::{Device, cpu};
 use tdem_studies::verify::{Backend, Case, Outcome, Tier, catalogue, markdown, run, table};
 
@@ -91,6 +92,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         return Ok(ExitCode::SUCCESS);
     }
     let backends = arguments.device.backends()?;
+    if let Asked::All = arguments.device {
+        tell_left_out();
+    }
     let mut outcomes: Vec<Outcome> = Vec::new();
     let mut agree = true;
     for case in &cases {
@@ -110,6 +114,15 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     data(shown.trim_end())?;
     let good = agree && outcomes.iter().all(Outcome::passed);
     Ok(if good { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Names the devices that cannot be used: what is not tested must not look as if it had passed.
+fn tell_left_out() {
+    for device in devices() {
+        if let Err(why) = device.usable {
+            say(format!("left out: {}:{}, {}: {why}", word(device.api), device.index, device.name));
+        }
+    }
 }
 
 fn line(outcome: &Outcome) -> String {

@@ -78,9 +78,13 @@ impl Survey {
     /// The devices of one interface. Those that are wanted run the self-test, the others are left out.
     #[must_use]
     pub fn of(api: Api, wanted: impl Fn(&Listing) -> bool) -> Self {
-        let (list, open): (_, fn(usize) -> Result<(), Error>) = match api {
-            Api::OpenCl => (OpenCl::list(), |index| open_opencl(index).map(drop)),
-            Api::Cuda => (Cuda::list(), |index| open_cuda(index).map(drop)),
+        let list = match api {
+            Api::OpenCl => OpenCl::list(),
+            Api::Cuda => Cuda::list(),
+        };
+        let open = |index| match api {
+            Api::OpenCl => open_opencl(index).map(drop),
+            Api::Cuda => open_cuda(index).map(drop),
         };
         match list {
             Ok(mut devices) => {
