@@ -5,6 +5,7 @@ use crate::console::{data, say};
 use crate::device::Choice;
 use crate::render::{Report, Reports};
 use clap::Args;
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tdem_engine::cpu;
@@ -82,7 +83,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             let measured = phase
                 .measure(built.state.clone(), plan, &found.device)
                 .map_err(|fault| Report::new("tdem::bench::fault", format!("the benchmark broke: {fault}")))?;
-            table += &format!(
+            let _ = write!(
+                table,
                 "\n{model:<5}  {:<30}  {:>9}  {:>17.2}  {:>22.3e}  {:>9.3e}  {:>8}  {:>14.1}  {:032x}",
                 found.name.chars().take(30).collect::<String>(),
                 measured.particles,
