@@ -52,13 +52,13 @@ impl Scene<'_> {
         let mut pairs = self.pairs();
         pairs.extend(self.wall_pairs());
         // Every line has its own two points: the end beyond a seam is an image, not a particle.
-        let points: Vec<f64> = pairs.iter().flat_map(|pair| pair.ends).flatten().collect();
+        let points = pairs.par_iter().map(|pair| pair.ends).collect::<Vec<_>>();
         Block {
             name: Place::Contacts.name(),
-            points: precision.store(&points),
+            points: precision.store(points.as_flattened().as_flattened()),
             cells: Cells::Lines,
             point_fields: Vec::new(),
-            cell_fields: CONTACTS.iter().map(|q| field(q.entry, &(q.values)(&pairs), precision)).collect(),
+            cell_fields: CONTACTS.par_iter().map(|q| field(q.entry, (q.values)(&pairs), precision)).collect(),
             fixed: false,
         }
     }
@@ -76,7 +76,7 @@ impl Scene<'_> {
             let ends = (contact.particle.into(), -1, contact.wall.into());
             Some(Pair::new(ends, &self.state.evaluate_at_wall(self.plan, contact)?))
         };
-        self.state.wall_contacts.iter().filter_map(pair).collect()
+        self.state.wall_contacts.par_iter().filter_map(pair).collect()
     }
 
     pub(super) fn wall_sums(&self) -> Vec<WallSum> {
