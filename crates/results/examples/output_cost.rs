@@ -28,33 +28,33 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut directory = RunDirectory::create(folder, "# an example, not made from a case\n", true)?;
     directory.checkpoint(&state)?;
     let mut simulation = Simulation::new(state, plan.clone(), device)?;
-    for (contents, level) in [(false, 0), (false, 1), (false, 4), (true, 1), (false, 1)] {
+    for (contacts, level) in [(false, 0), (false, 1), (false, 4), (true, 1), (false, 1)] {
         simulation.advance(steps)?;
-        directory.set_contents(Contents { contacts: contents, compression: level, ..Contents::default() });
-        let began = Instant::now();
+        directory.set_contents(Contents { contacts, compression: level, ..Contents::default() });
+        let mut began = Instant::now();
+        let mut lap = || {
+            let took = began.elapsed();
+            began = Instant::now();
+            1e3 * took.as_secs_f64()
+        };
         let capture = simulation.capture()?;
-        let captured = began.elapsed();
+        let captured = lap();
         let state = capture.state()?;
-        let assembled = began.elapsed();
+        let assembled = lap();
         let ledger = Ledger::of(&state, &plan);
-        let drawn_up = began.elapsed();
+        let drawn_up = lap();
         directory.frame(&state, &plan)?;
-        let framed = began.elapsed();
+        let framed = lap();
         directory.checkpoint(&state)?;
-        let kept = began.elapsed();
+        let kept = lap();
         let frame = std::fs::read_dir(folder.join("frames"))?.filter_map(|entry| entry.ok()?.path().into()).max();
         let bytes = frame.map_or(Ok(0), |path: std::path::PathBuf| path.metadata().map(|found| found.len()))?;
         println!(
-            "{} spheres, {} contacts (drawn: {contents}), level {level}: capture {:.0} ms, state {:.0}, ledger {:.0}, \
-             frame {:.0} ({:.1} MB), checkpoint {:.0}",
+            "{} spheres, {} contacts (drawn: {contacts}), level {level}: capture {captured:.0} ms, state {assembled:.0}, \
+             ledger {drawn_up:.0}, frame {framed:.0} ({:.1} MB), checkpoint {kept:.0}",
             state.len(),
             ledger.contacts,
-            1e3 * captured.as_secs_f64(),
-            1e3 * (assembled - captured).as_secs_f64(),
-            1e3 * (drawn_up - assembled).as_secs_f64(),
-            1e3 * (framed - drawn_up).as_secs_f64(),
             bytes as f64 * 1e-6,
-            1e3 * (kept - framed).as_secs_f64(),
         );
     }
     Ok(())
