@@ -20,6 +20,8 @@ use crate::step::{Backend, Stages, step};
 use crate::{Capture, Fault, Plan, State};
 pub(crate) use bodies::Quad;
 pub(crate) use grid::class_of;
+pub(crate) use neighbours::indices_by_rank;
+pub(crate) use pieces::split;
 
 use bodies::Bodies;
 use neighbours::Neighbours;

@@ -45,33 +45,24 @@ pub struct Ledger {
 /// Particles or contacts per partial sum. Fixed, so that sums have the same bits for any number of threads.
 const CHUNK: usize = 1024;
 
-/// Sums `K` quantities over `0..count`: within chunks in order, then the chunks in order.
-fn sum<const K: usize>(count: usize, term: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
-    let partial: Vec<[f64; K]> = (0..count.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            let mut total = [0.0; K];
-            for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
-                let term = term(index);
-                for k in 0..K {
-                    total[k] += term[k];
-                }
-            }
-            total
-        })
-        .collect();
-    let mut total = [0.0; K];
-    for chunk in partial {
+/// Sums `K` quantities over `0..count`: within chunks in order, then the chunks in order. Also finds the largest value
+/// of one more, 0 if there are none.
+fn tally<const K: usize>(count: usize, term: impl Fn(usize) -> ([f64; K], f64) + Sync) -> ([f64; K], f64) {
+    let add = |(mut total, largest): ([f64; K], f64), (term, value): ([f64; K], f64)| {
         for k in 0..K {
-            total[k] += chunk[k];
+            total[k] += term[k];
         }
-    }
-    total
+        (total, largest.max(value))
+    };
+    let of_chunk =
+        |chunk: usize| (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).map(&term).fold(([0.0; K], 0.0), add);
+    let partial: Vec<_> = (0..count.div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect();
+    partial.into_iter().fold(([0.0; K], 0.0), add)
 }
 
-/// The largest of a quantity over `0..count`, 0 if there are none.
-fn largest(count: usize, value: impl Fn(usize) -> f64 + Sync + Send) -> f64 {
-    (0..count).into_par_iter().map(value).reduce(|| 0.0, f64::max)
+/// Sums only.
+fn sum<const K: usize>(count: usize, term: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
+    tally(count, |index| (term(index), 0.0)).0
 }
 
 impl Ledger {
@@ -80,20 +71,23 @@ impl Ledger {
     pub fn of(state: &State, plan: &Plan) -> Ledger {
         let gravity: Vec3<f64> = plan.gravity.into();
         let length = plan.domain.length();
-        let [kinetic_translation, kinetic_rotation, gravitational, resultant] = sum(state.len(), |i| {
-            let (velocity, spin): (Vec3<f64>, Vec3<f64>) = (state.velocity[i].into(), state.angular_velocity[i].into());
-            let (mass, force): (f64, Vec3<f64>) = (state.mass[i], state.force[i].into());
-            let unfolded: [f64; 3] =
-                std::array::from_fn(|k| state.position[i][k] + f64::from(state.image[i][k]) * length[k]);
-            [
-                0.5 * mass * velocity.dot(velocity),
-                0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
-                -(mass * gravity.dot(unfolded.into())),
-                force.dot(force).sqrt(),
-            ]
-        });
-        let [pair_normal, pair_tangential, pair_force] =
-            sum(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k]));
+        let ([kinetic_translation, kinetic_rotation, gravitational, resultant], largest_speed) =
+            tally(state.len(), |i| {
+                let (velocity, spin): (Vec3<f64>, Vec3<f64>) =
+                    (state.velocity[i].into(), state.angular_velocity[i].into());
+                let (mass, force): (f64, Vec3<f64>) = (state.mass[i], state.force[i].into());
+                let unfolded: [f64; 3] =
+                    std::array::from_fn(|k| state.position[i][k] + f64::from(state.image[i][k]) * length[k]);
+                let terms = [
+                    0.5 * mass * velocity.dot(velocity),
+                    0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
+                    -(mass * gravity.dot(unfolded.into())),
+                    force.dot(force).sqrt(),
+                ];
+                (terms, velocity.dot(velocity).sqrt())
+            });
+        let ([pair_normal, pair_tangential, pair_force], largest_overlap) =
+            tally(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k]));
         let [wall_normal, wall_tangential, wall_size, fx, fy, fz] =
             sum(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
         let [friction, damping, stiffening, external] = sum(state.accounts.len(), |i| state.accounts[i]);
@@ -114,13 +108,8 @@ impl Ledger {
             energy_error: 0.0,
             contacts: state.contacts.len() as u64,
             wall_contacts: state.wall_contacts.len() as u64,
-            largest_speed: largest(state.len(), |i| {
-                let velocity: Vec3<f64> = state.velocity[i].into();
-                velocity.dot(velocity).sqrt()
-            }),
-            largest_overlap: largest(state.contacts.len(), |k| {
-                state.overlap_ratio(plan, &state.contacts[k]).unwrap_or(0.0)
-            }),
+            largest_speed,
+            largest_overlap,
             unbalanced_force_ratio: if mean_contact > 0.0 { mean_resultant / mean_contact } else { 0.0 },
             wall_force: [fx, fy, fz],
         };
@@ -147,15 +136,15 @@ impl Ledger {
     }
 }
 
-/// Normal and tangential energy and size of the force of a pair.
-fn of_pair(state: &State, plan: &Plan, contact: &Contact) -> [f64; 3] {
-    state.evaluate(plan, contact).map_or([0.0; 3], |found| {
+/// Normal and tangential energy and size of the force of a pair, and its overlap as a fraction of its mean radius.
+fn of_pair(state: &State, plan: &Plan, contact: &Contact) -> ([f64; 3], f64) {
+    state.evaluate(plan, contact).map_or(([0.0; 3], 0.0), |found| {
         let [normal, tangential] = found.stored_energy();
-        [normal, tangential, found.force.dot(found.force).sqrt()]
+        ([normal, tangential, found.force.dot(found.force).sqrt()], state.overlap_ratio(plan, contact).unwrap_or(0.0))
     })
 }
 
-/// The same of a particle at a wall, and the force on the wall.
+/// Energies and size of the force of a particle at a wall, and the force on the wall.
 fn at_wall(state: &State, plan: &Plan, contact: &WallContact) -> [f64; 6] {
     state.evaluate_at_wall(plan, contact).map_or([0.0; 6], |found| {
         let ([normal, tangential], force) = (found.stored_energy(), found.force);

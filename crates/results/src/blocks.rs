@@ -10,6 +10,7 @@ pub(crate) use particles::Start;
 use crate::glossary::{Entry, Kind, Place, Values};
 use crate::vtkhdf::array::Array;
 use crate::vtkhdf::block::{Block, Field};
+use rayon::prelude::*;
 use tdem_engine::{Plan, State};
 
 /// What goes into frames.
@@ -61,18 +62,18 @@ impl Scene<'_> {
 impl Precision {
     fn store(self, values: &[f64]) -> Array {
         match self {
-            Precision::Single => Array::F32(values.iter().map(|&value| value as f32).collect()),
+            Precision::Single => Array::F32(values.par_iter().map(|&value| value as f32).collect()),
             Precision::Double => Array::F64(values.to_vec()),
         }
     }
 }
 
 /// A field as the glossary says it is stored.
-fn field(entry: Entry, values: &Values, precision: Precision) -> Field {
+fn field(entry: Entry, values: Values<'_>, precision: Precision) -> Field {
     let data = match (values, entry.kind) {
-        (Values::Real(values), _) => precision.store(values),
-        (Values::Integer(values), Kind::Id) => Array::I64(values.clone()),
-        (Values::Integer(values), _) => Array::I32(values.iter().map(|&value| value as i32).collect()),
+        (Values::Real(values), _) => precision.store(&values),
+        (Values::Integer(values), Kind::Id) => Array::I64(values),
+        (Values::Integer(values), _) => Array::I32(values.par_iter().map(|&value| value as i32).collect()),
     };
     Field { name: entry.name.into(), components: entry.components, data }
 }

@@ -6,9 +6,9 @@
 use crate::error::{Action, Context, Error};
 use crate::files::{atomically, remove, sync_folder, with_ending};
 use bytemuck::{Pod, cast_slice, pod_read_unaligned};
+use rayon::prelude::*;
 use safetensors::{Dtype, SafeTensors};
 use serde_json::{Map, Value, json};
-use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -116,7 +116,8 @@ pub(crate) fn newest(folder: &Path) -> Result<Newest, Error> {
 /// [`Error::DiskFull`] and [`Error::Io`]; no half-written file stays behind.
 pub fn write(folder: &Path, state: &State) -> Result<PathBuf, Error> {
     let path = path_of(folder, state.step);
-    let tensors = tensors(state);
+    let apart = Apart::of(state);
+    let tensors = tensors(state, &apart);
     let header = header(&tensors);
     atomically(&path, |unfinished| {
         let put = || -> std::io::Result<()> {
@@ -124,7 +125,7 @@ pub fn write(folder: &Path, state: &State) -> Result<PathBuf, Error> {
             file.write_all(&(header.len() as u64).to_le_bytes())?;
             file.write_all(&header)?;
             for tensor in &tensors {
-                file.write_all(&tensor.bytes)?;
+                file.write_all(tensor.bytes)?;
             }
             file.into_inner()?.sync_all()
         };
@@ -164,18 +165,40 @@ struct Tensor<'a> {
     name: &'static str,
     kind: &'static str,
     shape: Vec<usize>,
-    bytes: Cow<'a, [u8]>,
+    bytes: &'a [u8],
 }
 
 impl<'a> Tensor<'a> {
-    fn borrowed<T: Element>(name: &'static str, values: &'a [T]) -> Self {
+    fn new<T: Element>(name: &'static str, values: &'a [T]) -> Self {
         let mut shape = vec![values.len()];
         shape.extend(T::SHAPE);
-        Tensor { name, kind: T::KIND, shape, bytes: Cow::Borrowed(cast_slice(values)) }
+        Tensor { name, kind: T::KIND, shape, bytes: cast_slice(values) }
     }
-    fn owned<T: Element>(name: &'static str, values: &[T]) -> Tensor<'static> {
-        let Tensor { name, kind, shape, bytes } = Tensor::borrowed(name, values);
-        Tensor { name, kind, shape, bytes: Cow::Owned(bytes.into_owned()) }
+}
+
+/// What a state holds in another form than its tensors.
+struct Apart {
+    step: [u64; 1],
+    initial_energy: [f64; 1],
+    forces_known: [u8; 1],
+    pairs: Vec<[u32; 2]>,
+    slips: Vec<[f64; 3]>,
+    wall_pairs: Vec<[u32; 2]>,
+    wall_slips: Vec<[f64; 3]>,
+}
+
+impl Apart {
+    fn of(state: &State) -> Self {
+        let (contacts, walls) = (&state.contacts, &state.wall_contacts);
+        Apart {
+            step: [state.step],
+            initial_energy: [state.initial_energy],
+            forces_known: [state.forces_known.into()],
+            pairs: contacts.par_iter().map(|contact| [contact.first, contact.second]).collect(),
+            slips: contacts.par_iter().map(|contact| contact.displacement).collect(),
+            wall_pairs: walls.par_iter().map(|contact| [contact.particle, contact.wall]).collect(),
+            wall_slips: walls.par_iter().map(|contact| contact.displacement).collect(),
+        }
     }
 }
 
@@ -202,12 +225,12 @@ element! {
 }
 
 /// All fields of a state. Wide numbers come first, so that every tensor is aligned.
-fn tensors(state: &State) -> Vec<Tensor<'_>> {
+fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
     // No `..`: a field that is added to the state must be added here.
     let State {
-        step,
-        forces_known,
-        initial_energy,
+        step: _,
+        forces_known: _,
+        initial_energy: _,
         id,
         material,
         constraint,
@@ -222,35 +245,31 @@ fn tensors(state: &State) -> Vec<Tensor<'_>> {
         derivatives,
         accounts,
         wall_position,
-        contacts,
-        wall_contacts,
+        contacts: _,
+        wall_contacts: _,
     } = state;
-    let pairs: Vec<[u32; 2]> = contacts.iter().map(|contact| [contact.first, contact.second]).collect();
-    let wall_pairs: Vec<[u32; 2]> = wall_contacts.iter().map(|contact| [contact.particle, contact.wall]).collect();
-    let slips: Vec<[f64; 3]> = contacts.iter().map(|contact| contact.displacement).collect();
-    let wall_slips: Vec<[f64; 3]> = wall_contacts.iter().map(|contact| contact.displacement).collect();
     vec![
-        Tensor::owned("step", &[*step]),
-        Tensor::owned("initial_energy", &[*initial_energy]),
-        Tensor::borrowed("radius", radius),
-        Tensor::borrowed("mass", mass),
-        Tensor::borrowed("position", position),
-        Tensor::borrowed("velocity", velocity),
-        Tensor::borrowed("angular_velocity", angular_velocity),
-        Tensor::borrowed("force", force),
-        Tensor::borrowed("moment", moment),
-        Tensor::borrowed("derivatives", derivatives),
-        Tensor::borrowed("accounts", accounts),
-        Tensor::borrowed("wall_position", wall_position),
-        Tensor::owned("contacts.displacement", &slips),
-        Tensor::owned("wall_contacts.displacement", &wall_slips),
-        Tensor::borrowed("id", id),
-        Tensor::borrowed("image", image),
-        Tensor::owned("contacts.pair", &pairs),
-        Tensor::owned("wall_contacts.pair", &wall_pairs),
-        Tensor::borrowed("material", material),
-        Tensor::borrowed("constraint", constraint),
-        Tensor::owned("forces_known", &[u8::from(*forces_known)]),
+        Tensor::new("step", &apart.step),
+        Tensor::new("initial_energy", &apart.initial_energy),
+        Tensor::new("radius", radius),
+        Tensor::new("mass", mass),
+        Tensor::new("position", position),
+        Tensor::new("velocity", velocity),
+        Tensor::new("angular_velocity", angular_velocity),
+        Tensor::new("force", force),
+        Tensor::new("moment", moment),
+        Tensor::new("derivatives", derivatives),
+        Tensor::new("accounts", accounts),
+        Tensor::new("wall_position", wall_position),
+        Tensor::new("contacts.displacement", &apart.slips),
+        Tensor::new("wall_contacts.displacement", &apart.wall_slips),
+        Tensor::new("id", id),
+        Tensor::new("image", image),
+        Tensor::new("contacts.pair", &apart.pairs),
+        Tensor::new("wall_contacts.pair", &apart.wall_pairs),
+        Tensor::new("material", material),
+        Tensor::new("constraint", constraint),
+        Tensor::new("forces_known", &apart.forces_known),
     ]
 }
 
@@ -262,13 +281,14 @@ fn header(tensors: &[Tensor<'_>]) -> Vec<u8> {
     metadata.insert("header".into(), NO_HASH.into());
     let mut entries = Map::new();
     let mut begin = 0;
-    for tensor in tensors {
+    let hashes: Vec<String> = tensors.par_iter().map(|tensor| hash(tensor.bytes)).collect();
+    for (tensor, hash) in tensors.iter().zip(hashes) {
         let end = begin + tensor.bytes.len();
         entries.insert(
             tensor.name.into(),
             json!({ "dtype": tensor.kind, "shape": tensor.shape, "data_offsets": [begin, end] }),
         );
-        metadata.insert(format!("xxh3.{}", tensor.name), hash(&tensor.bytes).into());
+        metadata.insert(format!("xxh3.{}", tensor.name), hash.into());
         begin = end;
     }
     entries.insert("__metadata__".into(), Value::Object(metadata));

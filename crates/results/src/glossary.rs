@@ -5,6 +5,8 @@
 
 use crate::blocks::{Pair, Scene, WallSum};
 use crate::history::Row;
+use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A quantity that is written somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,8 +99,8 @@ pub fn markdown() -> String {
 }
 
 /// Values of a quantity, row by row.
-pub(crate) enum Values {
-    Real(Vec<f64>),
+pub(crate) enum Values<'a> {
+    Real(Cow<'a, [f64]>),
     Integer(Vec<i64>),
 }
 
@@ -108,10 +110,10 @@ pub(crate) struct Quantity<F> {
     pub(crate) values: F,
 }
 
-type OfParticles = fn(&Scene<'_>) -> Values;
-type OfPairs = fn(&[Pair]) -> Values;
-type OfWalls = fn(&Scene<'_>, &[WallSum]) -> Values;
-type OfRow = fn(&Row) -> Values;
+type OfParticles = for<'a> fn(&Scene<'a>) -> Values<'a>;
+type OfPairs = fn(&[Pair]) -> Values<'static>;
+type OfWalls = fn(&Scene<'_>, &[WallSum]) -> Values<'static>;
+type OfRow = fn(&Row) -> Values<'static>;
 
 const fn real<F>(name: &'static str, unit: &'static str, description: &'static str, values: F) -> Quantity<F> {
     Quantity { entry: Entry { name, unit, description, kind: Kind::Real, components: 1 }, values }
@@ -126,32 +128,39 @@ const fn id<F>(name: &'static str, description: &'static str, values: F) -> Quan
     Quantity { entry: Entry { name, unit: "1", description, kind: Kind::Id, components: 1 }, values }
 }
 
-fn flat(vectors: &[[f64; 3]]) -> Values {
-    Values::Real(vectors.as_flattened().to_vec())
+fn borrowed(values: &[f64]) -> Values<'_> {
+    Values::Real(Cow::Borrowed(values))
 }
-fn of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> f64) -> Values {
-    Values::Real(pairs.iter().map(value).collect())
+fn owned(values: Vec<f64>) -> Values<'static> {
+    Values::Real(Cow::Owned(values))
 }
-fn vectors_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> [f64; 3]) -> Values {
-    Values::Real(pairs.iter().flat_map(value).collect())
+fn flat(vectors: &[[f64; 3]]) -> Values<'_> {
+    borrowed(vectors.as_flattened())
 }
-fn ids_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> i64) -> Values {
-    Values::Integer(pairs.iter().map(value).collect())
+fn integers<T: Copy + Into<i64> + Sync>(values: &[T]) -> Values<'static> {
+    Values::Integer(values.par_iter().map(|&value| value.into()).collect())
 }
-fn one(value: f64) -> Values {
-    Values::Real(vec![value])
+fn of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> f64 + Send + Sync) -> Values<'static> {
+    owned(pairs.par_iter().map(value).collect())
 }
-fn count(value: u64) -> Values {
+fn vectors_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> [f64; 3] + Send + Sync) -> Values<'static> {
+    owned(pairs.par_iter().map(value).collect::<Vec<_>>().into_flattened())
+}
+fn ids_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> i64 + Send + Sync) -> Values<'static> {
+    Values::Integer(pairs.par_iter().map(value).collect())
+}
+fn one(value: f64) -> Values<'static> {
+    owned(vec![value])
+}
+fn count(value: u64) -> Values<'static> {
     Values::Integer(vec![value.cast_signed()])
 }
 
 pub(crate) static PARTICLES: &[Quantity<OfParticles>] = &[
-    id("id", "persistent id", |s| Values::Integer(s.state.id.iter().map(|&id| id.into()).collect())),
-    real("radius", "m", "radius", |s| Values::Real(s.state.radius.clone())),
-    integer("material", "index of the material", |s| {
-        Values::Integer(s.state.material.iter().map(|&material| material.into()).collect())
-    }),
-    real("mass", "kg", "mass", |s| Values::Real(s.state.mass.clone())),
+    id("id", "persistent id", |s| integers(&s.state.id)),
+    real("radius", "m", "radius", |s| borrowed(&s.state.radius)),
+    integer("material", "index of the material", |s| integers(&s.state.material)),
+    real("mass", "kg", "mass", |s| borrowed(&s.state.mass)),
     vector("velocity", "m/s", "velocity", |s| flat(&s.state.velocity)),
     vector("angular_velocity", "rad/s", "angular velocity", |s| flat(&s.state.angular_velocity)),
     vector("force", "N", "resultant force, gravity included", |s| flat(&s.state.force)),
@@ -160,7 +169,7 @@ pub(crate) static PARTICLES: &[Quantity<OfParticles>] = &[
         "displacement",
         "m",
         "way from the start of the run, unfolded where the domain repeats; computed in double precision",
-        |s| Values::Real(s.displacement()),
+        |s| owned(s.displacement()),
     ),
     integer("coordination_number", "number of particles touched", |s| Values::Integer(s.coordination_number())),
 ];
@@ -184,11 +193,9 @@ pub(crate) static WALLS: &[Quantity<OfWalls>] = &[
     integer("material", "index of the material", |s, _| {
         Values::Integer(s.plan.walls.iter().map(|wall| wall.material.into()).collect())
     }),
-    vector("velocity", "m/s", "velocity", |s, _| {
-        Values::Real(s.plan.walls.iter().flat_map(|wall| wall.velocity).collect())
-    }),
+    vector("velocity", "m/s", "velocity", |s, _| owned(s.plan.walls.iter().flat_map(|wall| wall.velocity).collect())),
     vector("force", "N", "force of all particles on the wall", |_, sums| {
-        Values::Real(sums.iter().flat_map(|sum| sum.force).collect())
+        owned(sums.iter().flat_map(|sum| sum.force).collect())
     }),
     integer("touching", "number of particles that touch the wall", |_, sums| {
         Values::Integer(sums.iter().map(|sum| sum.touching).collect())
@@ -219,9 +226,7 @@ pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     id("wall_contacts", "number of particles that touch walls, counted per wall", |r| count(r.ledger.wall_contacts)),
     real("largest_speed", "m/s", "largest speed of a particle", |r| one(r.ledger.largest_speed)),
     real("largest_overlap", "1", "largest overlap of a pair over its mean radius", |r| one(r.ledger.largest_overlap)),
-    vector("wall_force", "N", "force of the particles on all walls together", |r| {
-        Values::Real(r.ledger.wall_force.to_vec())
-    }),
+    vector("wall_force", "N", "force of the particles on all walls together", |r| owned(r.ledger.wall_force.to_vec())),
 ];
 
 #[cfg(test)]

@@ -395,7 +395,8 @@ impl Default for Output {
             checkpoint_interval_secs: positive(300.0),
             contacts: false,
             precision: Precision::default(),
-            compression: 4,
+            // Of a million spheres, level 4 saves 2 % more space than level 1 and takes three times as long.
+            compression: 1,
             ledger: true,
         }
     }

@@ -1,7 +1,7 @@
 //! Fields cut into pieces for the tasks of a parallel loop.
 
 /// Cuts a field at ascending bounds; an empty field gives empty pieces.
-pub(super) fn split<'a, T>(field: &'a mut [T], bounds: &[usize]) -> std::vec::IntoIter<&'a mut [T]> {
+pub(crate) fn split<'a, T>(field: &'a mut [T], bounds: &[usize]) -> std::vec::IntoIter<&'a mut [T]> {
     let mut rest = field;
     let mut pieces = Vec::with_capacity(bounds.len());
     for bound in bounds.windows(2) {

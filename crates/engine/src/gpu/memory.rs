@@ -116,14 +116,13 @@ pub(crate) struct Arriving<T, R: Runtime> {
 impl<T: InC, R: Runtime> Arriving<T, R> {
     /// Waits for them.
     pub(crate) fn take(mut self) -> Result<Vec<T>, Error> {
+        Ok(self.view()?.to_vec())
+    }
+    /// The same, in the host memory where they arrive, which is aligned for every type.
+    pub(crate) fn view(&mut self) -> Result<&[T], Error> {
         match &mut self.transfer {
-            None => Ok(Vec::new()),
-            Some(transfer) => {
-                let bytes = transfer.wait()?;
-                let mut values = vec![T::zeroed(); bytes.len() / size_of::<T>()];
-                bytemuck::cast_slice_mut(&mut values).copy_from_slice(bytes);
-                Ok(values)
-            }
+            None => Ok(&[]),
+            Some(transfer) => Ok(bytemuck::cast_slice(transfer.wait()?)),
         }
     }
 }

@@ -3,8 +3,9 @@
 use super::memory::Arriving;
 use super::run::Gpu;
 use super::runtime::Runtime;
-use crate::cpu::Quad;
+use crate::cpu::{Quad, indices_by_rank, split};
 use crate::{Contact, Fault, State, WallContact};
+use rayon::prelude::*;
 
 /// A moment of a run on its way to the host.
 struct Snapshot<R: Runtime> {
@@ -59,51 +60,49 @@ impl<R: Runtime> Gpu<R> {
 }
 
 impl<R: Runtime> Snapshot<R> {
-    fn state(self) -> Result<State, Fault> {
+    fn state(mut self) -> Result<State, Fault> {
         let n = self.ids.len();
-        let rank = self.rank.take()?;
-        let mut at = vec![0_usize; n];
-        for (index, &rank) in rank.iter().enumerate() {
-            at[rank as usize] = index;
-        }
-        let vectors = |field: &[Quad]| -> Vec<[f64; 3]> { at.iter().map(|&i| field[i].vector().into()).collect() };
-        let (place, motion, kind) = (self.place.take()?, self.motion.take()?, self.kind.take()?);
+        let at = indices_by_rank(self.rank.view()?);
+        let (place, motion, kind) = (self.place.view()?, self.motion.view()?, self.kind.view()?);
+        let (image, derivatives, accounts) = (self.image.view()?, self.derivatives.view()?, self.accounts.view()?);
         let moments = self.spins.is_empty();
-        let (spin, moment) = (self.spin.take()?, self.moment.take()?);
-        let (image, derivatives, accounts) = (self.image.take()?, self.derivatives.take()?, self.accounts.take()?);
-        let (contacts, wall_contacts) =
-            contacts(&self.ids, &at, &self.starts.take()?, &self.partners.take()?, &self.remembered.take()?);
+        let put_aside = PutAside {
+            ids: &self.ids,
+            at: &at,
+            starts: self.starts.view()?,
+            partners: self.partners.view()?,
+            remembered: self.remembered.view()?,
+        };
+        let (contacts, wall_contacts) = (put_aside.pairs(), put_aside.walls());
         Ok(State {
             step: self.step,
             forces_known: true,
             initial_energy: 0.0,
-            material: at.iter().map(|&i| kind[i] as u16).collect(),
-            constraint: at.iter().map(|&i| (kind[i] >> 16) as u16).collect(),
-            radius: at.iter().map(|&i| place[i].scalar()).collect(),
-            mass: at.iter().map(|&i| motion[i].scalar()).collect(),
-            position: vectors(&place),
+            material: gather(&at, |i| kind[i] as u16),
+            constraint: gather(&at, |i| (kind[i] >> 16) as u16),
+            radius: gather(&at, |i| place[i].scalar()),
+            mass: gather(&at, |i| motion[i].scalar()),
+            position: vectors(&at, place),
             image: if image.is_empty() {
                 vec![[0; 3]; n]
             } else {
-                at.iter().map(|&i| std::array::from_fn(|k| image[k * n + i])).collect()
+                gather(&at, |i| std::array::from_fn(|k| image[k * n + i]))
             },
-            velocity: vectors(&motion),
-            angular_velocity: if moments { vectors(&spin) } else { self.spins },
-            force: vectors(&self.force.take()?),
-            moment: if moments { vectors(&moment) } else { vec![[0.0; 3]; n] },
+            velocity: vectors(&at, motion),
+            angular_velocity: if moments { vectors(&at, self.spin.view()?) } else { self.spins },
+            force: vectors(&at, self.force.view()?),
+            moment: if moments { vectors(&at, self.moment.view()?) } else { vec![[0.0; 3]; n] },
             derivatives: if derivatives.is_empty() {
                 Vec::new()
             } else {
-                at.iter()
-                    .map(|&i| std::array::from_fn(|d| std::array::from_fn(|k| derivatives[(3 * d + k) * n + i])))
-                    .collect()
+                gather(&at, |i| std::array::from_fn(|d| std::array::from_fn(|k| derivatives[(3 * d + k) * n + i])))
             },
             accounts: if accounts.is_empty() {
                 Vec::new()
             } else {
-                at.iter().map(|&i| std::array::from_fn(|c| accounts[c * n + i])).collect()
+                gather(&at, |i| std::array::from_fn(|c| accounts[c * n + i]))
             },
-            wall_position: self.wall_place.take()?.iter().map(|p| p.vector().into()).collect(),
+            wall_position: self.wall_place.view()?.iter().map(|p| p.vector().into()).collect(),
             contacts,
             wall_contacts,
             id: self.ids,
@@ -111,26 +110,84 @@ impl<R: Runtime> Snapshot<R> {
     }
 }
 
-/// Touching pairs and walls, from what was put aside in the working order; `at` is where a rank stands in it.
-fn contacts(
-    ids: &[u32],
-    at: &[usize],
-    starts: &[u32],
-    partners: &[u32],
-    remembered: &[f64],
-) -> (Vec<Contact>, Vec<WallContact>) {
-    let n = ids.len();
-    let (mut pairs, mut walls) = (Vec::with_capacity(partners.len()), Vec::new());
-    for rank in 0..n {
-        for at in starts[at[rank]] as usize..starts[at[rank] + 1] as usize {
-            let displacement = remembered.get(3 * at..3 * at + 3).map_or([0.0; 3], |kept| [kept[0], kept[1], kept[2]]);
-            let partner = partners[at] as usize;
-            if partner < n {
-                pairs.push(Contact { first: ids[rank], second: ids[partner], displacement });
-            } else {
-                walls.push(WallContact { particle: ids[rank], wall: (partner - n) as u32, displacement });
-            }
-        }
-    }
-    (pairs, walls)
+/// A field in the order of ranks, from its value at a place of the working order.
+fn gather<T: Send>(at: &[u32], value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    at.par_iter().map(|&i| value(i as usize)).collect()
 }
+
+fn vectors(at: &[u32], field: &[Quad]) -> Vec<[f64; 3]> {
+    gather(at, |i| field[i].vector().into())
+}
+
+/// What was put aside of touching pairs and walls, in the working order.
+struct PutAside<'a> {
+    ids: &'a [u32],
+    /// Where a rank stands in the working order.
+    at: &'a [u32],
+    starts: &'a [u32],
+    /// Ranks, or walls counted on from the number of particles.
+    partners: &'a [u32],
+    remembered: &'a [f64],
+}
+
+impl PutAside<'_> {
+    /// Touching pairs, ascending.
+    fn pairs(&self) -> Vec<Contact> {
+        let n = self.ids.len() as u32;
+        self.listed(
+            |partner| partner < n,
+            |rank, partner, displacement| Contact { first: self.ids[rank], second: self.ids[partner], displacement },
+        )
+    }
+
+    /// Particles at walls, ascending.
+    fn walls(&self) -> Vec<WallContact> {
+        let n = self.ids.len() as u32;
+        self.listed(
+            |partner| partner >= n,
+            |rank, partner, displacement| WallContact {
+                particle: self.ids[rank],
+                wall: partner as u32 - n,
+                displacement,
+            },
+        )
+    }
+
+    /// What is made of the entries with a wanted partner, rank by rank: from rank, partner and displacement.
+    fn listed<T: Send>(
+        &self,
+        wanted: impl Fn(u32) -> bool + Sync,
+        make: impl Fn(usize, usize, [f64; 3]) -> T + Send + Sync,
+    ) -> Vec<T> {
+        let n = self.at.len();
+        let entries = |rank: usize| {
+            let at = self.at[rank] as usize;
+            (self.starts[at] as usize..self.starts[at + 1] as usize).filter(|&entry| wanted(self.partners[entry]))
+        };
+        // Counted before they are listed, so that pieces are written where they belong.
+        let ranks = |piece: usize| piece * PIECE..((piece + 1) * PIECE).min(n);
+        let counts: Vec<usize> = (0..n.div_ceil(PIECE))
+            .into_par_iter()
+            .map(|piece| ranks(piece).map(|rank| entries(rank).count()).sum())
+            .collect();
+        let mut bounds = vec![0; counts.len() + 1];
+        for (piece, count) in counts.iter().enumerate() {
+            bounds[piece + 1] = bounds[piece] + count;
+        }
+        let mut places = vec![[0_u32; 2]; bounds[counts.len()]];
+        split(&mut places, &bounds).collect::<Vec<_>>().into_par_iter().enumerate().for_each(|(piece, places)| {
+            let found = ranks(piece).flat_map(|rank| entries(rank).map(move |entry| [rank as u32, entry as u32]));
+            places.iter_mut().zip(found).for_each(|(place, found)| *place = found);
+        });
+        let made = |&[rank, entry]: &[u32; 2]| {
+            let entry = entry as usize;
+            let kept =
+                self.remembered.get(3 * entry..3 * entry + 3).map_or([0.0; 3], |kept| [kept[0], kept[1], kept[2]]);
+            make(rank as usize, self.partners[entry] as usize, kept)
+        };
+        places.par_iter().map(made).collect()
+    }
+}
+
+/// Ranks per task.
+const PIECE: usize = 4096;

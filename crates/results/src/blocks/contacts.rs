@@ -32,6 +32,18 @@ pub(crate) struct WallSum {
 }
 
 impl Pair {
+    /// A contact of particles or a wall that a state does not have; no back end hands out such a state.
+    const UNKNOWN: Pair = Pair {
+        first: -1,
+        second: -1,
+        wall: -1,
+        ends: [[f64::NAN; 3]; 2],
+        overlap: f64::NAN,
+        normal_force: f64::NAN,
+        force: [f64::NAN; 3],
+        displacement: [f64::NAN; 3],
+    };
+
     fn new((first, second, wall): (i64, i64, i64), found: &Evaluated<'_>) -> Self {
         let from = found.first.position;
         Pair {
@@ -49,34 +61,38 @@ impl Pair {
 
 impl Scene<'_> {
     pub(super) fn contacts(&self, precision: Precision) -> Block {
-        let mut pairs = self.pairs();
-        pairs.extend(self.wall_pairs());
+        let pairs = self.pairs();
         // Every line has its own two points: the end beyond a seam is an image, not a particle.
-        let points: Vec<f64> = pairs.iter().flat_map(|pair| pair.ends).flatten().collect();
+        let points = pairs.par_iter().map(|pair| pair.ends).collect::<Vec<_>>();
         Block {
             name: Place::Contacts.name(),
-            points: precision.store(&points),
+            points: precision.store(points.as_flattened().as_flattened()),
             cells: Cells::Lines,
             point_fields: Vec::new(),
-            cell_fields: CONTACTS.iter().map(|q| field(q.entry, &(q.values)(&pairs), precision)).collect(),
+            cell_fields: CONTACTS.par_iter().map(|q| field(q.entry, (q.values)(&pairs), precision)).collect(),
             fixed: false,
         }
     }
 
+    /// All contacts, those with walls last. None is left out, so that each core knows where its share goes.
     fn pairs(&self) -> Vec<Pair> {
-        let pair = |contact: &Contact| {
-            let ends = (contact.first.into(), contact.second.into(), -1);
-            Some(Pair::new(ends, &self.state.evaluate(self.plan, contact)?))
-        };
-        self.state.contacts.par_iter().filter_map(pair).collect()
+        let (pairs, walls) = (self.state.contacts.par_iter(), self.state.wall_contacts.par_iter());
+        let all = pairs.map(|contact| self.pair(contact)).chain(walls.map(|contact| self.wall_pair(contact)));
+        all.map(|pair| pair.unwrap_or(Pair::UNKNOWN)).collect()
     }
 
-    pub(super) fn wall_pairs(&self) -> Vec<Pair> {
-        let pair = |contact: &WallContact| {
-            let ends = (contact.particle.into(), -1, contact.wall.into());
-            Some(Pair::new(ends, &self.state.evaluate_at_wall(self.plan, contact)?))
-        };
-        self.state.wall_contacts.iter().filter_map(pair).collect()
+    fn pair(&self, contact: &Contact) -> Option<Pair> {
+        let ends = (contact.first.into(), contact.second.into(), -1);
+        Some(Pair::new(ends, &self.state.evaluate(self.plan, contact)?))
+    }
+
+    fn wall_pair(&self, contact: &WallContact) -> Option<Pair> {
+        let ends = (contact.particle.into(), -1, contact.wall.into());
+        Some(Pair::new(ends, &self.state.evaluate_at_wall(self.plan, contact)?))
+    }
+
+    fn wall_pairs(&self) -> Vec<Pair> {
+        self.state.wall_contacts.par_iter().filter_map(|contact| self.wall_pair(contact)).collect()
     }
 
     pub(super) fn wall_sums(&self) -> Vec<WallSum> {
@@ -152,7 +168,7 @@ mod tests {
         let (mut state, plan) = pair_across_the_seam();
         state.position[1][2] = 0.12;
         let pairs = Scene { state: &state, plan: &plan, start: None }.pairs();
-        let [Pair { first: 4, second: 9, wall: -1, ends: [from, to], overlap, force, .. }] = pairs[..] else {
+        let [Pair { first: 4, second: 9, wall: -1, ends: [from, to], overlap, force, .. }, _] = pairs[..] else {
             panic!("{pairs:?}")
         };
         assert_eq!(from, state.position[0]);

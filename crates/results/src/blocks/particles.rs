@@ -3,6 +3,8 @@
 use super::{Precision, Scene, field};
 use crate::glossary::{PARTICLES, Place};
 use crate::vtkhdf::block::{Block, Cells};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicI64, Ordering};
 use tdem_engine::{Plan, State};
 
 /// Where particles were when the run began.
@@ -15,7 +17,10 @@ pub(crate) struct Start {
 
 impl Start {
     pub(crate) fn of(state: &State, plan: &Plan) -> Self {
-        Start { id: state.id.clone(), position: (0..state.len()).map(|index| unfolded(state, plan, index)).collect() }
+        Start {
+            id: state.id.clone(),
+            position: (0..state.len()).into_par_iter().map(|index| unfolded(state, plan, index)).collect(),
+        }
     }
 
     fn position(&self, index: usize, id: u32) -> Option<[f64; 3]> {
@@ -36,7 +41,7 @@ impl Scene<'_> {
             name: Place::Particles.name(),
             points: precision.store(self.state.position.as_flattened()),
             cells: Cells::Vertices,
-            point_fields: PARTICLES.iter().map(|q| field(q.entry, &(q.values)(self), precision)).collect(),
+            point_fields: PARTICLES.par_iter().map(|q| field(q.entry, (q.values)(self), precision)).collect(),
             cell_fields: Vec::new(),
             fixed: false,
         }
@@ -49,16 +54,16 @@ impl Scene<'_> {
             let to = unfolded(self.state, self.plan, index);
             from.map_or([f64::NAN; 3], |from| std::array::from_fn(|k| to[k] - from[k]))
         };
-        (0..self.state.len()).flat_map(way).collect()
+        (0..self.state.len()).into_par_iter().map(way).collect::<Vec<_>>().into_flattened()
     }
 
     pub(crate) fn coordination_number(&self) -> Vec<i64> {
-        let mut number = vec![0; self.state.len()];
-        for id in self.state.contacts.iter().flat_map(|contact| [contact.first, contact.second]) {
+        let number: Vec<AtomicI64> = (0..self.state.len()).into_par_iter().map(|_| AtomicI64::new(0)).collect();
+        self.state.contacts.par_iter().flat_map_iter(|contact| [contact.first, contact.second]).for_each(|id| {
             if let Some(index) = self.state.index_of(id) {
-                number[index] += 1;
+                number[index].fetch_add(1, Ordering::Relaxed);
             }
-        }
-        number
+        });
+        number.into_par_iter().map(AtomicI64::into_inner).collect()
     }
 }

@@ -16,7 +16,7 @@ impl Scene<'_> {
             points: precision.store(&points),
             cells: Cells::Polygons(polygons.iter().map(Vec::len).collect()),
             point_fields: Vec::new(),
-            cell_fields: WALLS.iter().map(|q| field(q.entry, &(q.values)(self, &sums), precision)).collect(),
+            cell_fields: WALLS.iter().map(|q| field(q.entry, (q.values)(self, &sums), precision)).collect(),
             fixed: self.plan.walls.iter().all(|wall| wall.velocity == [0.0; 3]),
         }
     }

@@ -1,6 +1,7 @@
 //! Geometry with fields: what VTK calls poly data.
 
 use super::array::Array;
+use rayon::prelude::*;
 
 /// Points, the cells between them, and fields on both.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,8 +40,8 @@ pub(crate) const TOPOLOGIES: [&str; 4] = ["Vertices", "Lines", "Polygons", "Stri
 
 /// Offsets and connectivity of one kind of cells.
 pub(crate) struct Topology {
-    pub(crate) offsets: Vec<i64>,
-    pub(crate) connectivity: Vec<i64>,
+    pub(crate) offsets: Array,
+    pub(crate) connectivity: Array,
 }
 
 impl Block {
@@ -48,30 +49,36 @@ impl Block {
         self.points.len() / 3
     }
 
+    /// Cells and connectivity ids of each of VTK's four kinds.
+    pub(crate) fn counts(&self) -> ([usize; 4], [usize; 4]) {
+        let points = self.point_count();
+        let (kind, cells) = match &self.cells {
+            Cells::Vertices => (0, points),
+            Cells::Lines => (1, points / 2),
+            Cells::Polygons(sizes) => (2, sizes.len()),
+        };
+        let only = |count| std::array::from_fn(|k| if k == kind { count } else { 0 });
+        (only(cells), only(points))
+    }
+
     /// The cells as VTK's four kinds. A kind without cells has the one offset 0.
     pub(crate) fn topologies(&self) -> [Topology; 4] {
-        let points = self.point_count();
-        let sizes: Vec<usize> = match &self.cells {
-            Cells::Vertices => vec![1; points],
-            Cells::Lines => vec![2; points / 2],
-            Cells::Polygons(sizes) => sizes.clone(),
-        };
-        let kind = match &self.cells {
-            Cells::Vertices => 0,
-            Cells::Lines => 1,
-            Cells::Polygons(_) => 2,
-        };
+        let (cells, connectivity) = self.counts();
         std::array::from_fn(|k| {
-            let mut offsets = vec![0];
-            if k != kind {
-                return Topology { offsets, connectivity: Vec::new() };
-            }
-            let mut end = 0;
-            offsets.extend(sizes.iter().map(|&size| {
-                end += size as i64;
-                end
-            }));
-            Topology { offsets, connectivity: (0..points as i64).collect() }
+            let cells = cells[k] as i64;
+            let offsets = match &self.cells {
+                Cells::Polygons(sizes) if k == 2 => {
+                    let ends = sizes.iter().scan(0, |end, &size| {
+                        *end += size as i64;
+                        Some(*end)
+                    });
+                    std::iter::once(0).chain(ends).collect()
+                }
+                Cells::Lines => (0..=cells).into_par_iter().map(|cell| 2 * cell).collect(),
+                _ => (0..=cells).into_par_iter().collect(),
+            };
+            let connectivity = (0..connectivity[k] as i64).into_par_iter().collect();
+            Topology { offsets: Array::I64(offsets), connectivity: Array::I64(connectivity) }
         })
     }
 }

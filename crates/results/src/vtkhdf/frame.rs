@@ -1,11 +1,12 @@
 //! A frame: all blocks of one instant in a file of its own.
 
-use super::array::Storage;
+use super::array::{Array, Storage};
 use super::block::{Block, Field, TOPOLOGIES};
-use super::hdf5::{Label, NewFile, NewGroup, Result, StoredFile};
+use super::hdf5::{Label, NewFile, NewGroup, Packed, Result, StoredFile};
 use crate::blocks::entry_of;
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;
+use rayon::prelude::*;
 use std::path::Path;
 
 /// Our own notes about a frame, outside the group that VTK reads.
@@ -49,14 +50,14 @@ impl BlockSize {
     }
 
     fn of(block: &Block) -> Self {
-        let topologies = block.topologies();
+        let (cells, connectivity) = block.counts();
         BlockSize {
             name: block.name.into(),
             fixed: block.fixed,
             points: block.point_count(),
             point_storage: block.points.storage(),
-            cells: std::array::from_fn(|k| topologies[k].offsets.len() - 1),
-            connectivity: std::array::from_fn(|k| topologies[k].connectivity.len()),
+            cells,
+            connectivity,
             point_fields: block.point_fields.iter().map(FieldKind::of).collect(),
             cell_fields: block.cell_fields.iter().map(FieldKind::of).collect(),
         }
@@ -110,33 +111,55 @@ fn write(path: &Path, step: u64, time: f64, blocks: &[Block], compression: u32) 
     }
 
     let notes = file.group(NOTES)?;
-    notes.put_integers("step", 1, vec![step.cast_signed()], 0)?;
-    notes.put("time", 1, &super::array::Array::F64(vec![time]), 0, Label { unit: "s", description: "time" })?;
+    notes.put_integers("step", 1, vec![step.cast_signed()])?;
+    notes.put("time", &Packed::new(1, &Array::F64(vec![time]), 0)?, Label { unit: "s", description: "time" })?;
     let fixed = notes.group("fixed")?;
     for block in blocks {
-        fixed.put_integers(block.name, 1, vec![block.fixed.into()], 0)?;
+        fixed.put_integers(block.name, 1, vec![block.fixed.into()])?;
     }
     file.close()
 }
 
 fn write_block(group: &NewGroup, block: &Block, compression: u32) -> Result<()> {
-    group.put_integers("NumberOfPoints", 1, vec![block.point_count() as i64], 0)?;
-    group.put("Points", 3, &block.points, compression, POINTS)?;
-    for (name, topology) in TOPOLOGIES.iter().zip(block.topologies()) {
+    let (cells, connectivity) = block.counts();
+    let topologies = block.topologies();
+    // All is packed before anything is written, so that every core has something to do.
+    let pack = |components, array| Packed::new(components, array, compression);
+    let kinds = || -> Result<Vec<_>> {
+        topologies.par_iter().map(|kind| Ok([pack(1, &kind.offsets)?, pack(1, &kind.connectivity)?])).collect()
+    };
+    let ((points, kinds), (point_fields, cell_fields)) = rayon::join(
+        || rayon::join(|| pack(3, &block.points), kinds),
+        || {
+            rayon::join(
+                || pack_fields(&block.point_fields, compression),
+                || pack_fields(&block.cell_fields, compression),
+            )
+        },
+    );
+
+    group.put_integers("NumberOfPoints", 1, vec![block.point_count() as i64])?;
+    group.put("Points", &points?, POINTS)?;
+    for (k, (name, [offsets, ids])) in TOPOLOGIES.iter().zip(kinds?).enumerate() {
         let kind = group.group(name)?;
-        kind.put_integers("NumberOfCells", 1, vec![topology.offsets.len() as i64 - 1], 0)?;
-        kind.put_integers("NumberOfConnectivityIds", 1, vec![topology.connectivity.len() as i64], 0)?;
-        kind.put_integers("Offsets", 1, topology.offsets, compression)?;
-        kind.put_integers("Connectivity", 1, topology.connectivity, compression)?;
+        kind.put_integers("NumberOfCells", 1, vec![cells[k] as i64])?;
+        kind.put_integers("NumberOfConnectivityIds", 1, vec![connectivity[k] as i64])?;
+        kind.put("Offsets", &offsets, Label::default())?;
+        kind.put("Connectivity", &ids, Label::default())?;
     }
-    for (name, fields) in [("PointData", &block.point_fields), ("CellData", &block.cell_fields)] {
+    for (name, fields, packed) in
+        [("PointData", &block.point_fields, point_fields), ("CellData", &block.cell_fields, cell_fields)]
+    {
         let group = group.group(name)?;
-        for field in fields {
-            let label = label(block.name, &field.name);
-            group.put(&field.name, field.components, &field.data, compression, label)?;
+        for (field, packed) in fields.iter().zip(packed?) {
+            group.put(&field.name, &packed, label(block.name, &field.name))?;
         }
     }
     Ok(())
+}
+
+fn pack_fields(fields: &[Field], compression: u32) -> Result<Vec<Packed<'_>>> {
+    fields.par_iter().map(|field| Packed::new(field.components, &field.data, compression)).collect()
 }
 
 /// The documentation of the positions.

@@ -1,9 +1,14 @@
 //! The only module that names the HDF5 library: what VTKHDF files need of it, and no more.
 
 use super::array::{Array, Storage, each};
+use bytemuck::{NoUninit, cast_slice};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use rayon::prelude::*;
 use rust_hdf5::{
     DatatypeMessage, FileLocking, H5Dataset, H5File, H5Group, H5Type, Hdf5Error, Hyperslab, HyperslabBlock, Selection,
 };
+use std::io::Write;
 use std::path::Path;
 use thiserror::Error;
 
@@ -38,6 +43,52 @@ pub(crate) type Result<T> = std::result::Result<T, FormatError>;
 const CHUNK: usize = 65_536;
 /// Shorter datasets are stored as they are: a chunk index would cost more than compression saves.
 const WORTH_COMPRESSING: usize = 256;
+
+/// No filter was left out of a chunk.
+const ALL_FILTERS: u32 = 0;
+
+fn compressed(rows: usize, level: u32) -> bool {
+    level > 0 && rows >= WORTH_COMPRESSING
+}
+
+/// Numbers as a dataset will hold them.
+pub(crate) struct Packed<'a> {
+    array: &'a Array,
+    components: usize,
+    level: u32,
+    /// None if they are stored as they are.
+    chunks: Option<Vec<Vec<u8>>>,
+}
+
+impl<'a> Packed<'a> {
+    /// Compressed on all cores when that is worth it; `level` 0 never compresses.
+    pub(crate) fn new(components: usize, array: &'a Array, level: u32) -> Result<Self> {
+        let rows = array.len() / components;
+        let chunks = if compressed(rows, level) {
+            Some(each!(array, values => pack(values, rows.min(CHUNK) * components, level))?)
+        } else {
+            None
+        };
+        Ok(Packed { array, components, level, chunks })
+    }
+}
+
+/// Chunks of so many values, each filtered as the library would do it, which does it on one core.
+fn pack<T: NoUninit + Sync>(values: &[T], chunk: usize, level: u32) -> Result<Vec<Vec<u8>>> {
+    let filter = |values: &[T]| {
+        // The last chunk is as long as the others: zeros follow.
+        let mut planes = vec![0; chunk * size_of::<T>()];
+        for (byte, plane) in planes.chunks_exact_mut(chunk).enumerate() {
+            let of_values = cast_slice::<T, u8>(values).iter().skip(byte).step_by(size_of::<T>());
+            plane.iter_mut().zip(of_values).for_each(|(place, &value)| *place = value);
+        }
+        let mut encoder = ZlibEncoder::new(Vec::with_capacity(planes.len()), Compression::new(level));
+        encoder.write_all(&planes)?;
+        encoder.finish()
+    };
+    let packed: std::io::Result<_> = values.par_chunks(chunk).map(filter).collect();
+    packed.map_err(|error| Hdf5Error::Io(error).into())
+}
 
 /// A file that is being written.
 pub(crate) struct NewFile(H5File);
@@ -94,20 +145,28 @@ impl NewGroup {
         Ok(self.0.create_soft_link(name, target)?)
     }
 
-    /// A dataset, compressed when that is worth it; `level` 0 never compresses.
-    pub(crate) fn put(&self, name: &str, components: usize, array: &Array, level: u32, label: Label) -> Result<()> {
-        each!(array, values => {
-            let dataset = self.create(name, values.len() / components, components, level, label, values.first())?;
-            // The library refuses to write nothing.
-            if !values.is_empty() {
-                dataset.write_raw(values)?;
+    /// A dataset.
+    pub(crate) fn put(&self, name: &str, packed: &Packed<'_>, label: Label) -> Result<()> {
+        let Packed { array, components, level, chunks } = packed;
+        each!(*array, values => {
+            let rows = values.len() / components;
+            let dataset = self.create(name, rows, *components, *level, label, values.first())?;
+            match chunks {
+                Some(chunks) => {
+                    for (index, chunk) in chunks.iter().enumerate() {
+                        dataset.write_chunk_raw(index, chunk, ALL_FILTERS)?;
+                    }
+                }
+                // The library refuses to write nothing.
+                None if values.is_empty() => {}
+                None => dataset.write_raw(values)?,
             }
             Ok(())
         })
     }
-    /// A dataset of integers without documentation.
-    pub(crate) fn put_integers(&self, name: &str, components: usize, values: Vec<i64>, level: u32) -> Result<()> {
-        self.put(name, components, &Array::I64(values), level, Label::default())
+    /// A short dataset of integers without documentation.
+    pub(crate) fn put_integers(&self, name: &str, components: usize, values: Vec<i64>) -> Result<()> {
+        self.put(name, &Packed::new(components, &Array::I64(values), 0)?, Label::default())
     }
 
     /// A virtual dataset: the rows of the sources, one after the other, which stay where they are.
@@ -156,7 +215,7 @@ impl NewGroup {
         _: Option<&T>,
     ) -> Result<H5Dataset> {
         let mut builder = self.0.new_dataset::<T>().shape(shape(rows, components));
-        if level > 0 && rows >= WORTH_COMPRESSING {
+        if compressed(rows, level) {
             // VTK's reader knows no other filters than these two.
             builder = builder.chunk(&shape(rows.min(CHUNK), components)).shuffle_deflate(level);
         }

@@ -3,7 +3,7 @@
 use super::array::{Array, Storage};
 use super::block::TOPOLOGIES;
 use super::frame::{BlockSize, FieldKind, Frame, POINTS, label};
-use super::hdf5::{Copying, Label, NewFile, NewGroup, Result, Source};
+use super::hdf5::{Copying, Label, NewFile, NewGroup, Packed, Result, Source};
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;
 use std::collections::BTreeSet;
@@ -87,13 +87,13 @@ impl<'a> Series<'a> {
         let count = self.instants.len();
         steps.integer_attribute("NSteps", count as i64)?;
         let times = self.instants.iter().map(|instant| instant.frame.time).collect();
-        steps.put("Values", 1, &Array::F64(times), 0, Label { unit: "s", description: "time" })?;
+        steps.put("Values", &Packed::new(1, &Array::F64(times), 0)?, Label { unit: "s", description: "time" })?;
         let parts = if self.fixed { vec![0; count] } else { (0..count as i64).collect() };
-        steps.put_integers("PartOffsets", 1, parts, 0)?;
-        steps.put_integers("NumberOfParts", 1, vec![1; count], 0)?;
-        steps.put_integers("PointOffsets", 1, self.geometry_offsets(|block| block.points), 0)?;
-        steps.put_integers("CellOffsets", 4, self.by_kind(|block, kind| block.cells[kind]), 0)?;
-        steps.put_integers("ConnectivityIdOffsets", 4, self.by_kind(|block, kind| block.connectivity[kind]), 0)?;
+        steps.put_integers("PartOffsets", 1, parts)?;
+        steps.put_integers("NumberOfParts", 1, vec![1; count])?;
+        steps.put_integers("PointOffsets", 1, self.geometry_offsets(|block| block.points))?;
+        steps.put_integers("CellOffsets", 4, self.by_kind(|block, kind| block.cells[kind]))?;
+        steps.put_integers("ConnectivityIdOffsets", 4, self.by_kind(|block, kind| block.connectivity[kind]))?;
 
         self.write_fields(&root, &steps, "PointData", |block| &block.point_fields, |block| block.points)?;
         self.write_fields(&root, &steps, "CellData", |block| &block.cell_fields, BlockSize::cell_count)?;
@@ -104,7 +104,7 @@ impl<'a> Series<'a> {
         let counts = |of: &dyn Fn(&BlockSize) -> usize| -> Vec<i64> {
             self.stored().iter().map(|instant| of(instant.block) as i64).collect()
         };
-        root.put_integers("NumberOfPoints", 1, counts(&|block| block.points), 0)?;
+        root.put_integers("NumberOfPoints", 1, counts(&|block| block.points))?;
         // The wider storage holds what the narrower one does.
         let wide = self.stored().iter().any(|instant| instant.block.point_storage == Storage::F64);
         let storage = if wide { Storage::F64 } else { Storage::F32 };
@@ -112,8 +112,8 @@ impl<'a> Series<'a> {
         self.put(root, "Points", 3, storage, &points, POINTS)?;
         for (k, kind) in TOPOLOGIES.iter().enumerate() {
             let group = root.group(kind)?;
-            group.put_integers("NumberOfCells", 1, counts(&|block| block.cells[k]), 0)?;
-            group.put_integers("NumberOfConnectivityIds", 1, counts(&|block| block.connectivity[k]), 0)?;
+            group.put_integers("NumberOfCells", 1, counts(&|block| block.cells[k]))?;
+            group.put_integers("NumberOfConnectivityIds", 1, counts(&|block| block.connectivity[k]))?;
             let offsets = self.sources(self.stored(), &format!("{kind}/Offsets"), |block| block.cells[k] + 1);
             self.put(&group, "Offsets", 1, Storage::I64, &offsets, Label::default())?;
             let ids = self.sources(self.stored(), &format!("{kind}/Connectivity"), |block| block.connectivity[k]);
@@ -139,7 +139,7 @@ impl<'a> Series<'a> {
             let sources = self.sources(&self.instants, &format!("{place}/{}", field.name), rows);
             let label = label(self.name, &field.name);
             self.put(&group, &field.name, field.components, field.storage, &sources, label)?;
-            offsets.put_integers(&field.name, 1, running(&self.instants, rows), 0)?;
+            offsets.put_integers(&field.name, 1, running(&self.instants, rows))?;
         }
         Ok(())
     }
