@@ -36,7 +36,7 @@ fn of_machine() -> String {
     let survey = survey();
     for device in &survey.devices {
         let name = format!("{}:{}", word(device.api), device.index);
-        let kind = if device.processor { ", a processor: no faster than cpu" } else { "" };
+        let kind = if device.processor { ", a processor: taken only if asked for" } else { "" };
         text += &entry(&name, format!("{}{kind}", device.name));
         text += &entry(
             "",

@@ -41,7 +41,7 @@ pub struct Listing {
     pub memory: u64,
     /// Whether it computes with 64-bit reals.
     pub fp64: bool,
-    /// Whether it is a processor that poses as a GPU: no faster than the CPU back end.
+    /// Whether it is a processor that is shown as a device.
     pub processor: bool,
     /// Multiprocessors, or what the vendor counts as such.
     pub compute_units: u32,
