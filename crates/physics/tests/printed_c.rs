@@ -7,7 +7,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use tdem_physics::contact::{
-    Damping, Friction, Interaction, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
+    Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
 use tdem_physics::motion::gear::Trajectory;
 use tdem_physics::print::{self, Formula, Parameter, Parameters};
@@ -64,6 +64,37 @@ fn contacts_with_a_wall_have_the_bits_of_the_law() {
     };
     compare(&formulas, WALL_PAIRS, draw, |formula, (response,)| outcomes.count(formula.law, response));
     outcomes.are_mixed();
+}
+
+#[test]
+fn what_a_ledger_adds_has_the_bits_of_the_law() {
+    let kick = |rng: &mut Rng| Kick { velocity: rng.vector(-20, 0), rolling: rng.vector(-20, 0) };
+    let spheres = |rng: &mut Rng| {
+        let (first, second) = (rng.sphere(), rng.sphere());
+        let radius_sum = first.radius + second.radius;
+        let normal = rng.direction();
+        let touch = touch_spheres(normal * (radius_sum - rng.overlap(first.radius)), radius_sum);
+        (first, second, touch, rng.displacement(normal), rng.interaction(), rng.dt())
+    };
+    let wall = |rng: &mut Rng| {
+        let mut sphere = rng.sphere();
+        let (normal, point) = (rng.direction(), rng.vector(-3, 3));
+        sphere.position = point + normal * (sphere.radius - rng.overlap(sphere.radius));
+        let touch = touch_wall(sphere.position, sphere.radius, point, normal);
+        (sphere, touch, normal, rng.vector(-10, 3), rng.displacement(normal), rng.interaction(), rng.dt())
+    };
+    let settled = |rng: &mut Rng| {
+        let (first, second, touch, displacement, pair, dt) = spheres(rng);
+        (first, second, touch, kick(rng), kick(rng), displacement, pair, dt)
+    };
+    let settled_at_wall = |rng: &mut Rng| {
+        let (sphere, touch, normal, velocity, displacement, pair, dt) = wall(rng);
+        (sphere, touch, normal, velocity, kick(rng), displacement, pair, dt)
+    };
+    compare(&laws().map(|law| print::SettledContactOfSpheres { law }), OTHERS, settled, |_, _| {});
+    compare(&laws().map(|law| print::SettledContactWithWall { law }), OTHERS, settled_at_wall, |_, _| {});
+    compare(&laws().map(|law| print::ReleasedBySpheres { law }), OTHERS, spheres, |_, _| {});
+    compare(&laws().map(|law| print::ReleasedByWall { law }), OTHERS, wall, |_, _| {});
 }
 
 #[test]
