@@ -163,5 +163,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         materials: plan.materials as u32,
         parity: 0,
         frozen: 0,
+        corrects: 0,
+        padding: 0,
     }
 }

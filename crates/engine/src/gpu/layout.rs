@@ -128,6 +128,9 @@ records! {
         parity: u32,
         /// Forces are computed, but nothing is remembered.
         frozen: u32,
+        /// Whether a prediction begins with the end of the step before.
+        corrects: u32,
+        padding: u32,
     }
     /// A plane wall.
     Wall {
@@ -278,14 +281,6 @@ kernels! {
         step: value Step, status: shared u32,
         place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
         derivatives: write f64, kind: read u32, constraints: read Constraint,
-    }
-    /// See `kernels/fused.cl`.
-    correct_predict as CorrectPredict(128, 4) {
-        step: value Step, status: shared u32,
-        place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
-        derivatives: write f64, image: write i32, kind: read u32, constraints: read Constraint, reference: read f64,
-        walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
-        kick_by_half: write Quad, twist_by_half: write Quad,
     }
     /// See `kernels/fused.cl`.
     fused as Fused(128, 4) {

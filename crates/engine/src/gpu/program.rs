@@ -85,9 +85,10 @@ impl Variant {
         let mut skeletons = String::new();
         for file in [
             include_str!("kernels/particle.cl"),
+            include_str!("kernels/body.cl"),
+            include_str!("kernels/correct.cl"),
             include_str!("kernels/predict.cl"),
             include_str!("kernels/contact.cl"),
-            include_str!("kernels/correct.cl"),
             include_str!("kernels/fused.cl"),
             include_str!("kernels/scan.cl"),
             include_str!("kernels/history.cl"),

@@ -4,7 +4,7 @@
 //! batches of steps, looks at the status behind each, and only then lists anew or tells the fault.
 
 use super::bodies::{Constants, Fields, Half, step_record, unpaired};
-use super::layout::{Contact, Correct, CorrectPredict, Fused, Predict, Step};
+use super::layout::{Contact, Correct, Fused, Predict, Step};
 use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
@@ -121,7 +121,7 @@ impl<R: Runtime> Gpu<R> {
             return Ok(());
         }
         self.queue.clear(&self.status, STATUS)?;
-        self.launch_predict()?;
+        self.launch_predict(false)?;
         let mut done = 0;
         if self.plan.search.every_step {
             while done < steps {
@@ -194,38 +194,12 @@ impl<R: Runtime> Gpu<R> {
         self.step_record
     }
 
-    fn launch_predict(&mut self) -> Result<(), Error> {
-        let step = self.next_step();
+    /// Predicts the next step; the end of the step before may be part of it.
+    fn launch_predict(&mut self, corrects: bool) -> Result<(), Error> {
+        let step = Step { corrects: corrects.into(), ..self.next_step() };
         let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
         self.queue.run(
             &Predict {
-                step,
-                status: &self.status,
-                place: &half.place,
-                motion: &half.motion,
-                spin: &half.spin,
-                force: &free.place,
-                moment: &free.spin,
-                derivatives: &fields.derivatives,
-                image: &fields.image,
-                kind: &fields.kind,
-                constraints: &self.constants.constraints,
-                reference: &self.rows.reference,
-                walls: &self.constants.walls,
-                wall_place: &half.wall_place,
-                wall_reference: &self.rows.wall_reference,
-                kick_by_half: &fields.kick_by_half,
-                twist_by_half: &fields.twist_by_half,
-            },
-            step.items as usize,
-        )
-    }
-
-    fn launch_correct_predict(&mut self) -> Result<(), Error> {
-        let step = self.next_step();
-        let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
-        self.queue.run(
-            &CorrectPredict {
                 step,
                 status: &self.status,
                 place: &half.place,
@@ -254,7 +228,7 @@ impl<R: Runtime> Gpu<R> {
             return self.launch_fused();
         }
         self.launch_contact()?;
-        if last { self.launch_correct() } else { self.launch_correct_predict() }
+        if last { self.launch_correct() } else { self.launch_predict(true) }
     }
 
     fn launch_contact(&mut self) -> Result<(), Error> {

@@ -1,26 +1,4 @@
-// Stages that follow each other without a look at the neighbours, in one kernel.
-
-// The end of a step and the prediction of the next.
-kernel correct_predict
-{
-    const u32 flags = halted(step, status);
-    if (!flags) {
-        FOR_EACH(i, step.items) {
-            if (i < step.particles) {
-                Body body = body_at(step, i, place[i], motion[i], SPIN(i), derivatives);
-                const Vec3 f = vector(force[i]), m = MOMENT(i);
-                const Constraint held = HELD(kind[i]);
-                correct_body(step, &body, f, m, held);
-                PREDICT_AND_KEEP
-            }
-            if (i < step.walls)
-                move_wall(step, i, walls, wall_place, wall_place, wall_reference, status);
-        }
-    }
-    hand_on(step, status, flags, 0u);
-}
-
-// From one prediction to the next: contact, correct, predict. It reads one half of the state and writes the other, so
+// From one prediction to the next in one kernel: contact, correct, predict. It reads one half of the state and writes the other, so
 // that neighbours see what they should.
 #if !GEAR && !LEDGER
 kernel fused

@@ -1,76 +1,5 @@
 // Stage `predict`: particles and walls move to the end of the step.
 
-// What moves: a sphere and, under Gear, its scaled second to fifth derivatives.
-typedef struct {
-    Sphere sphere;
-#if GEAR
-    Vec3 derivatives[4];
-#endif
-} Body;
-
-DEVICE Body body_at(const Step step, const u32 i, const Quad place, const Quad motion, const Quad spin,
-                    GLOBAL const real *derivatives)
-{
-    Body body;
-    body.sphere = sphere(place, motion, spin);
-#if GEAR
-    for (u32 d = 0; d < 4u; ++d)
-        body.derivatives[d] = planes_at(step, derivatives, 3u * d, i);
-#endif
-    return body;
-}
-
-// Everything but the place, which is still looked at.
-DEVICE void keep_motion(const Step step, const u32 i, const Body body, GLOBAL Quad *motion, GLOBAL Quad *spin,
-                        GLOBAL real *derivatives)
-{
-    motion[i] = quad(body.sphere.velocity, body.sphere.mass);
-#if MOMENTS
-    spin[i] = quad(body.sphere.angular_velocity, 0.0);
-#endif
-#if GEAR
-    for (u32 d = 0; d < 4u; ++d)
-        set_planes(step, derivatives, 3u * d, i, body.derivatives[d]);
-#endif
-}
-
-#if CONSTRAINED
-#define HELD(kind)  constraints[CONSTRAINT_OF(kind)]
-#else
-#define HELD(kind)  free_of_constraints()
-#endif
-
-DEVICE Constraint free_of_constraints(void)
-{
-    Constraint held;
-    held.components = 0u;
-    return held;
-}
-
-DEVICE void kick_velocity(Sphere *body, const Vec3 force, const Constraint held, const real dt)
-{
-    Vec3 kicked;
-    kick(body->velocity, force, body->mass, dt, &kicked);
-#if CONSTRAINED
-    kicked = prescribe(kicked, held.velocity, held.components);
-#endif
-    body->velocity = kicked;
-}
-
-DEVICE void kick_angular_velocity(Sphere *body, const Vec3 moment, const Constraint held, const real dt)
-{
-#if MOMENTS
-    real inertia;
-    sphere_inertia(body->mass, body->radius, &inertia);
-    Vec3 kicked;
-    kick(body->angular_velocity, moment, inertia, dt, &kicked);
-#if CONSTRAINED
-    kicked = prescribe(kicked, held.angular_velocity, held.components >> 3);
-#endif
-    body->angular_velocity = kicked;
-#endif
-}
-
 // To the end of the step, under the forces of its beginning.
 DEVICE void predict_body(const Step step, Body *body, const Vec3 force, const Vec3 moment, const Constraint held)
 {
@@ -157,40 +86,6 @@ DEVICE void move_wall(const Step step, const u32 w, GLOBAL const Wall *RESTRICT 
         raise_flags(step, status, LIST_DUE);
 }
 
-// Predicts a particle, says what is wrong, and keeps it.
-#if LEDGER && !GEAR
-#define NOTE_KICKS                                                                                                     \
-    kick_by_half[i] = quad(minus(body.sphere.velocity, before.velocity), 0.0);                                         \
-    NOTE_TWIST
-#if MOMENTS
-#define NOTE_TWIST  twist_by_half[i] = quad(minus(body.sphere.angular_velocity, before.angular_velocity), 0.0);
-#else
-#define NOTE_TWIST
-#endif
-#else
-#define NOTE_KICKS
-#endif
-#define PREDICT_AND_KEEP                                                                                               \
-    {                                                                                                                  \
-        const Sphere before = body.sphere;                                                                             \
-        predict_body(step, &body, f, m, held);                                                                         \
-        NOTE_KICKS                                                                                                     \
-        note_way(step, status, minus(body.sphere.position, before.position));                                          \
-        const u32 wrong = judge(step, i, &body.sphere.position, image, reference);                                     \
-        if (wrong)                                                                                                     \
-            raise_flags(step, status, wrong);                                                                          \
-        place[i] = quad(body.sphere.position, body.sphere.radius);                                                     \
-        keep_motion(step, i, body, motion, spin, derivatives);                                                         \
-    }
-
-#if MOMENTS
-#define SPIN(i)    spin[i]
-#define MOMENT(i)  vector(moment[i])
-#else
-#define SPIN(i)    QUAD(0.0, 0.0, 0.0, 0.0)
-#define MOMENT(i)  zero()
-#endif
-
 kernel predict
 {
     const u32 flags = halted(step, status);
@@ -200,7 +95,23 @@ kernel predict
                 Body body = body_at(step, i, place[i], motion[i], SPIN(i), derivatives);
                 const Vec3 f = vector(force[i]), m = MOMENT(i);
                 const Constraint held = HELD(kind[i]);
-                PREDICT_AND_KEEP
+                // Between two steps nobody looks at the neighbours: the end of one and the start of the next are one.
+                if (step.corrects)
+                    correct_body(step, &body, f, m, held);
+                const Sphere before = body.sphere;
+                predict_body(step, &body, f, m, held);
+#if LEDGER && !GEAR
+                kick_by_half[i] = quad(minus(body.sphere.velocity, before.velocity), 0.0);
+#if MOMENTS
+                twist_by_half[i] = quad(minus(body.sphere.angular_velocity, before.angular_velocity), 0.0);
+#endif
+#endif
+                note_way(step, status, minus(body.sphere.position, before.position));
+                const u32 wrong = judge(step, i, &body.sphere.position, image, reference);
+                if (wrong)
+                    raise_flags(step, status, wrong);
+                place[i] = quad(body.sphere.position, body.sphere.radius);
+                keep_motion(step, i, body, motion, spin, derivatives);
             }
             if (i < step.walls)
                 move_wall(step, i, walls, wall_place, wall_place, wall_reference, status);
