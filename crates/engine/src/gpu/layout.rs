@@ -333,7 +333,7 @@ kernels! {
     }
     /// See `kernels/search.cl`.
     rows_count as RowsCount(128, 4) {
-        search: value Search, levels: read Level, cell_start: read u32, place: read Quad,
+        search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
         walls: read Wall, wall_place: read Quad, slice_length: write u32, known_low: write u32, known_high: write u32,
     }
     /// See `kernels/search.cl`.

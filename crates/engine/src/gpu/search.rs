@@ -230,6 +230,7 @@ impl<R: Runtime> Gpu<R> {
                 levels: &scratch.levels,
                 cell_start: &scratch.cell_start,
                 place: &half.place,
+                rank: &self.fields.rank,
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
                 slice_length: &rows.slice,

@@ -218,9 +218,10 @@ DEVICE u32 wrapped(const i32 cell, const u32 cells)
             }                                                                                                          \
     }
 
-// The length of each slice is that of its longest row. Which of the candidates are neighbours is noted, a bit for each;
-// a particle with more candidates than bits is looked at again when rows are filled.
-#define CANDIDATES  64u
+// The length of each slice is that of its longest row. Which of the candidates are neighbours is noted, a bit for each,
+// and above the bits how many of them have a higher rank; a particle with more candidates than bits is looked at again
+// when rows are filled.
+#define CANDIDATES  56u
 #define LOOK_AGAIN  0xffffffffu
 
 kernel rows_count
@@ -231,19 +232,21 @@ kernel rows_count
     u32 entries = 0;
     if (i < search.particles) {
         const Quad x = LOAD(place, i);
+        const u32 mine = rank[i];
         u64 known = 0;
-        u32 candidate = 0;
+        u32 candidate = 0, higher = 0;
 #define COUNT(first, stop)                                                                                             \
         for (u32 j = first, end = stop; j < end; ++j, ++candidate)                                                     \
             if (j != i && near(search, x, LOAD(place, j))) {                                                           \
                 ++entries;                                                                                             \
+                higher += rank[j] > mine ? 1u : 0u;                                                                    \
                 if (candidate < CANDIDATES)                                                                            \
                     known |= (u64)1 << candidate;                                                                      \
             }
         AROUND(COUNT)
         const u32 again = candidate > CANDIDATES;
-        known_low[i] = again ? LOOK_AGAIN : (u32)known;
-        known_high[i] = again ? LOOK_AGAIN : (u32)(known >> 32);
+        known_low[i] = again ? higher : (u32)known;
+        known_high[i] = again ? LOOK_AGAIN : (u32)(known >> 32) | higher << (CANDIDATES - 32u);
         for (u32 w = 0; w < search.walls; ++w)
             if (near_wall(search, x, walls[w], wall_place[w]))
                 ++entries;
@@ -258,6 +261,29 @@ kernel rows_count
     }
 }
 
+// One part of a row while it is filled: ascending ranks.
+typedef struct {
+    u32 first;
+    u32 end;
+    u32 highest;
+} Part;
+
+// Puts a neighbour where it belongs: mostly behind those before it.
+DEVICE void insert(Part *part, const u32 j, const u32 key, const u32 i, GLOBAL u32 *RESTRICT other,
+                   GLOBAL const u32 *RESTRICT rank)
+{
+    u32 to = part->end++;
+    if (to == part->first || key > part->highest) {
+        part->highest = key;
+    } else {
+        while (to > part->first && rank[other[SLOT(to - 1u, i)]] > key) {
+            other[SLOT(to, i)] = other[SLOT(to - 1u, i)];
+            --to;
+        }
+    }
+    other[SLOT(to, i)] = j;
+}
+
 // Rows in their order, with what touching pairs remember.
 kernel rows_fill
 {
@@ -269,47 +295,43 @@ kernel rows_fill
         const Quad x = LOAD(place, i);
         const u32 mine = rank[i];
         const u32 start = slice[i / SLICE], end = slice[i / SLICE + 1u];
-        const u64 known = (u64)known_low[i] | (u64)known_high[i] << 32;
-        const u32 again = known_low[i] == LOOK_AGAIN && known_high[i] == LOOK_AGAIN;
-        u32 last = start;
-        // Higher ranks first, then lower ones, each part in its order. A neighbour mostly belongs behind those before it.
-        for (u32 lower = 0; lower < 2u; ++lower) {
-            const u32 part = last;
-            u32 candidate = 0;
+        const u32 again = known_high[i] == LOOK_AGAIN;
+        const u64 known = (u64)known_low[i] | (u64)(known_high[i] & ((1u << (CANDIDATES - 32u)) - 1u)) << 32;
+        // Higher ranks first, then lower ones.
+        Part higher, lower;
+        higher.first = higher.end = start;
+        lower.first = lower.end = start + (again ? known_low[i] : known_high[i] >> (CANDIDATES - 32u));
+        higher.highest = lower.highest = 0u;
+        u32 candidate = 0;
 #define INSERT(j)                                                                                                      \
-            {                                                                                                          \
-                const u32 theirs = rank[j];                                                                            \
-                if ((theirs < mine) == lower) {                                                                        \
-                    u32 to = last;                                                                                     \
-                    while (to > part && rank[other[SLOT(to - 1u, i)]] > theirs) {                                      \
-                        other[SLOT(to, i)] = other[SLOT(to - 1u, i)];                                                  \
-                        --to;                                                                                          \
-                    }                                                                                                  \
-                    other[SLOT(to, i)] = j;                                                                            \
-                    ++last;                                                                                            \
-                }                                                                                                      \
-            }
-#define FILL(first, stop)                                                                                              \
-            {                                                                                                          \
-                const u32 from = first, length = stop - from;                                                          \
-                if (again) {                                                                                           \
-                    for (u32 j = from; j < from + length; ++j)                                                         \
-                        if (j != i && near(search, x, LOAD(place, j)))                                                 \
-                            INSERT(j)                                                                                  \
-                } else if (length > 0u) {                                                                              \
-                    u64 bits = known >> candidate;                                                                     \
-                    if (length < CANDIDATES)                                                                           \
-                        bits &= ((u64)1 << length) - 1u;                                                               \
-                    for (; bits; bits &= bits - 1u) {                                                                  \
-                        const u32 j = from + LOWEST_BIT(bits);                                                         \
-                        INSERT(j)                                                                                      \
-                    }                                                                                                  \
-                    candidate += length;                                                                               \
-                }                                                                                                      \
-            }
-            AROUND(FILL)
+        {                                                                                                              \
+            const u32 theirs = rank[j];                                                                                \
+            if (theirs > mine)                                                                                         \
+                insert(&higher, j, theirs, i, other, rank);                                                            \
+            else                                                                                                       \
+                insert(&lower, j, theirs, i, other, rank);                                                             \
         }
-        const u32 neighbours = last;
+#define FILL(first, stop)                                                                                              \
+        {                                                                                                              \
+            const u32 from = first, length = stop - from;                                                              \
+            if (again) {                                                                                               \
+                for (u32 j = from; j < from + length; ++j)                                                             \
+                    if (j != i && near(search, x, LOAD(place, j)))                                                     \
+                        INSERT(j)                                                                                      \
+            } else if (length > 0u) {                                                                                  \
+                u64 bits = known >> candidate;                                                                         \
+                if (length < CANDIDATES)                                                                               \
+                    bits &= ((u64)1 << length) - 1u;                                                                   \
+                for (; bits; bits &= bits - 1u) {                                                                      \
+                    const u32 j = from + LOWEST_BIT(bits);                                                             \
+                    INSERT(j)                                                                                          \
+                }                                                                                                      \
+                candidate += length;                                                                                   \
+            }                                                                                                          \
+        }
+        AROUND(FILL)
+        const u32 neighbours = lower.end;
+        u32 last = neighbours;
         for (u32 w = 0; w < search.walls; ++w)
             if (near_wall(search, x, walls[w], wall_place[w])) {
                 other[SLOT(last, i)] = search.particles + w;
