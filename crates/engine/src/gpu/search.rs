@@ -288,9 +288,9 @@ impl<R: Runtime> Gpu<R> {
             .run(&HistoryCount { particles, slice: &rows.slice, other: &rows.other, rank, counts: &kept.starts }, n)?;
         scan(queue, &mut self.scratch.sums, &self.scratch.total, &kept.starts, n)?;
         let entries = queue.read(&self.scratch.total, 1)?[0] as usize;
-        reserve(queue, &mut kept.partners, entries, entries / 32)?;
+        reserve(queue, &mut kept.partners, entries, entries / 64)?;
         if self.friction {
-            reserve(queue, &mut kept.remembered, 3 * entries, 3 * (entries / 32))?;
+            reserve(queue, &mut kept.remembered, 3 * entries, 3 * (entries / 64))?;
         }
         queue.run(
             &HistoryWrite {

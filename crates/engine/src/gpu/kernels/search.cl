@@ -365,16 +365,18 @@ kernel rows_fill
                         break;
                     }
             }
-            if (found != NOBODY) {
+            if (found != NOBODY)
                 other[SLOT(k, i)] = j | TOUCHING;
 #if FRICTION
-                Vec3 kept;
+            // Slots without a history are written as well: memory takes whole sectors faster than what is left of them.
+            Vec3 kept = zero();
+            if (found != NOBODY) {
                 kept.x = sign * remembered[3u * (size_t)found];
                 kept.y = sign * remembered[3u * (size_t)found + 1u];
                 kept.z = sign * remembered[3u * (size_t)found + 2u];
-                keep_displacement(displacement, k, i, kept);
-#endif
             }
+            keep_displacement(displacement, k, i, kept);
+#endif
         }
         for (u32 k = last; k < end; ++k)
             other[SLOT(k, i)] = NOBODY;
