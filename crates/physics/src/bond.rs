@@ -117,7 +117,7 @@ pub struct Reaction<R> {
 /// Relative rotations well below half a turn; see [`total::deformation`].
 ///
 /// # References
-/// Potyondy & Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, section 2.2, eqs. 9-15, in another form.
+/// Potyondy & Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, in another form; see [`total`].
 #[inline(always)]
 pub fn respond_total<R: Real>(damping: Damping, ends: &Ends<R>, posture: &Posture<R>, bond: &Bond<R>) -> Reaction<R> {
     let axis = Axis::of(ends);
@@ -139,8 +139,8 @@ pub fn respond_total<R: Real>(damping: Damping, ends: &Ends<R>, posture: &Postur
 /// What is to be stored, and the reaction.
 ///
 /// # References
-/// Potyondy & Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, eqs. 9-15; their signs of shear and moments are
-/// those on the other body.
+/// Potyondy & Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, `doi:10.1016/j.ijrmms.2004.09.011`; their signs of
+/// shear and moments are those on the other body.
 #[inline(always)]
 pub fn respond_incremental<R: Real>(
     tension: Tension,

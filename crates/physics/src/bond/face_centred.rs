@@ -28,8 +28,7 @@
 //! ```
 //!
 //! # References
-//! Sums over the lattice as in M. Born & K. Huang, *Dynamical Theory of Crystal Lattices* (1954); Wang & Mora,
-//! Pure Appl. Geophys. 165 (2008) 609 for lattices with shear springs.
+//! Sums over the lattice as in M. Born & K. Huang, *Dynamical Theory of Crystal Lattices* (1954).
 
 use std::f64::consts::{PI, SQRT_2};
 

@@ -64,7 +64,7 @@ impl<R: Real> History<R> {
 /// normal is the torsion.
 ///
 /// # References
-/// Potyondy & Cundall (2004) eqs. 9-14; Pacevič & Kačeniauskas (2022) algorithm 2.
+/// Potyondy & Cundall (2004); Pacevič & Kačeniauskas (2022) algorithm 2.
 #[inline(always)]
 pub fn load<R: Real>(
     tension: Tension,

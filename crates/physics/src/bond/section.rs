@@ -38,9 +38,6 @@ pub struct Section<R> {
 
 impl<R: Real> Section<R> {
     /// The section of a bond between particles of the given radii, m.
-    ///
-    /// # References
-    /// Potyondy & Cundall (2004) eqs. 8 and 16.
     #[inline(always)]
     #[must_use]
     pub fn between(radius_multiplier: R, first_radius: R, second_radius: R) -> Self {
@@ -99,7 +96,7 @@ impl<R: Real> Bond<R> {
     /// ```
     ///
     /// # References
-    /// Potyondy & Cundall (2004) eqs. 8-16; Potyondy, *Parallel-bond refinements to match macroproperties of hard rock*
+    /// Potyondy & Cundall (2004); Potyondy, *Parallel-bond refinements to match macroproperties of hard rock*
     /// (2011) for $\bar\beta$.
     #[inline(always)]
     #[must_use]
@@ -139,7 +136,7 @@ impl<R: Real> Bond<R> {
 }
 
 /// $\bar k_n = \bar E/L_0$, Pa/m, of a bond of Young's modulus $\bar E$ (Pa) and length $L_0$ (m). Potyondy & Cundall
-/// (2004) eq. 19 takes $L_0 = R_1 + R_2$.
+/// (2004) take $L_0 = R_1 + R_2$.
 #[inline(always)]
 pub fn stiffness_per_area<R: Real>(young_modulus: R, length: R) -> R {
     young_modulus / length

@@ -45,7 +45,7 @@ impl Failure {
 /// \tau = \frac{|\mathbf F_s|}A + \bar\beta\frac{|M_t|\bar R}J$$
 ///
 /// # References
-/// Potyondy & Cundall (2004) eq. 15, there with compression positive; Potyondy (2011) for $\bar\beta$.
+/// Potyondy & Cundall (2004), there with compression positive; Potyondy (2011) for $\bar\beta$.
 #[inline(always)]
 pub fn stress<R: Real>(load: &Modes<R>, bond: &Bond<R>) -> Stress<R> {
     let axial = (load.normal * bond.stress_per_force).named("axial_stress");
@@ -68,7 +68,7 @@ pub fn shear_limit<R: Real>(stress: &Stress<R>, bond: &Bond<R>) -> R {
 /// A stress that is not a number breaks nothing; the force then is none either, and the fault is found.
 ///
 /// # References
-/// Potyondy & Cundall (2004) section 2.2; the order and the criterion of Mohr and Coulomb are those of PFC.
+/// Potyondy & Cundall (2004); the order and the criterion of Mohr and Coulomb are those of PFC.
 #[inline(always)]
 pub fn failure<R: Real>(stress: &Stress<R>, bond: &Bond<R>) -> R {
     let sheared = stress.shear.gt(shear_limit(stress, bond));

@@ -40,7 +40,7 @@ pub struct Posture<R> {
 ///
 /// # References
 /// Orientations in place of stored moments: Wang, Acta Geotechnica 4 (2009) 117; the deformations here are those whose
-/// rates are Potyondy & Cundall (2004) eqs. 11-14.
+/// rates are those of Potyondy & Cundall (2004).
 #[inline(always)]
 pub fn deformation<R: Real>(axis: &Axis<R>, posture: &Posture<R>) -> Modes<R> {
     let &Posture { bonded_offset, first_orientation, second_orientation, free_strain } = posture;
