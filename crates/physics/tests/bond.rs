@@ -345,6 +345,25 @@ fn the_incremental_form_keeps_the_lengths_of_stored_forces_under_rigid_rotation(
     assert!(size(history.couple - stored.couple) < 1.5 * turn * size(stored.couple));
 }
 
+/// Verlet's velocities belong to the chord: each step of a rotation looks like a slip of $L\varphi^3/6$.
+#[test]
+fn velocities_of_the_half_step_slip_by_the_third_power_of_the_angle() {
+    let bond = bond(&CEMENT);
+    for angle in [0.01, 0.02] {
+        let axis = vec3(0.0, 0.0, 1.0);
+        let start = vec3(LENGTH, 0.0, 0.0);
+        let offset = about(axis, angle).rotate(start);
+        let mut ends = resting(offset);
+        (ends.first.angular_velocity, ends.second.angular_velocity) = (axis * angle, axis * angle);
+        ends.second.velocity = offset - start;
+        let rest = Rest { length: LENGTH, growth: 0.0 };
+        let advance = Advance { earlier: History::unloaded(vec3(1.0, 0.0, 0.0)), rest, step: 1.0 };
+        let (history, _) = bond::respond_incremental(Tension::FromLength, Damping::Off, &ends, &advance, &bond);
+        let slip = size(history.shear) / bond.stiffness.shear;
+        close(slip, LENGTH * angle * angle * angle / 6.0, angle * angle);
+    }
+}
+
 /// The same way in both forms; what they differ by is second order in the deformation.
 #[test]
 fn both_forms_agree_to_first_order() {

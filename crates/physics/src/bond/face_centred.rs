@@ -1,7 +1,7 @@
 //! From measured values to bonds, for touching spheres on a face-centred cubic lattice: exact, because every particle is
 //! a centre of symmetry.
 //!
-//! Lattice constant $a$, bonds of length $a/\sqrt2 = 2R$, twelve to a particle; loads along a cube axis ([100]).
+//! Lattice constant $a$, bonds of length $a/\sqrt2 = 2R$, twelve to a particle; loads along a cube axis.
 //! A Young's modulus, a Poisson's ratio and a tensile strength give a bond in four steps:
 //!
 //! ```

@@ -59,7 +59,10 @@ impl<R: Real> History<R> {
 ///    - \Delta L_0]$.
 ///
 /// # Numerics
-/// The vectors are right to first order in the step; a rigid rotation changes none of their lengths. The couple is
+/// The vectors are right to first order in the step. A rigid rotation at the velocities of the present places changes
+/// none of their lengths. Velocities of the middle of the step, as velocity Verlet has them, belong to the chord of the way
+/// and not to its end: a rotation by $\varphi$ in a step then looks like a slip of $L\varphi^3/6$, which free bodies give
+/// way to by spinning that much slower than the bond ([`super::total`] has nothing of the kind). The couple is
 /// stored as one vector (48 bytes in place of 56 and a normal); after it was turned with the normal its part along the
 /// normal is the torsion.
 ///

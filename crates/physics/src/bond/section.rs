@@ -92,7 +92,7 @@ impl<R: Real> Bond<R> {
     /// let section = Section::between(cement.radius_multiplier, 1e-3, 2e-3);
     /// let bond = Bond::new(&cement, &section, stiffness_per_area(30e9, 3e-3));
     /// // E A / L of a beam of 1 mm radius and 3 mm length.
-    /// assert!((bond.stiffness.normal / 3.141_592_65e7 - 1.0).abs() < 1e-9);
+    /// assert!((bond.stiffness.normal / (30e9 * std::f64::consts::PI * 1e-6 / 3e-3) - 1.0).abs() < 1e-15);
     /// ```
     ///
     /// # References
