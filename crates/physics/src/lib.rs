@@ -5,14 +5,16 @@
 //! what IEEE 754 rounds the same way everywhere (see [`Real`]).
 //!
 //! * [`contact`] two bodies that touch: normal force, damping, friction with history, moments
-//! * [`motion`] how a particle moves under a force: velocity Verlet, Gear
+//! * [`bond`] two bodies that are bonded: beams that stretch, shear, twist, bend and break
+//! * [`motion`] how a particle moves under a force: velocity Verlet, Gear, orientations
 //! * [`stability`] how large a time step may be
 //! * [`print`](mod@print) all of these as C
 //! * [`material`] effective values of a pair of materials
 //!
-//! SI units throughout. The conventions (normal from the first body to the second, overlap positive in contact, force
-//! on the first body) are stated in [`contact`].
+//! SI units throughout. The conventions (normal from the first body to the second, overlap positive in contact, tension
+//! positive in a bond, force on the first body) are stated in [`contact`] and [`bond`].
 
+pub mod bond;
 pub mod contact;
 pub mod material;
 pub mod motion;

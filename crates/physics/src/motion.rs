@@ -1,6 +1,8 @@
 //! How a particle moves under a force.
 
 pub mod gear;
+pub mod local_damping;
+pub mod orientation;
 pub mod verlet;
 
 use crate::Real;

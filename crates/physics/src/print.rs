@@ -1,6 +1,7 @@
 //! The laws as C, for kernels to call.
 //!
-//! [`source`] prints one file: the structs the laws exchange and every [`Formula`] as a function. A kernel's skeleton
+//! [`source`] prints one file: the structs the laws exchange and every [`Formula`] of contacts and motion as a function;
+//! [`bond_source`] adds those of bonds. A kernel's skeleton
 //! (loads, loops over neighbours, stores) includes it after a prelude that defines
 //!
 //! | word | meaning |
@@ -23,9 +24,14 @@
 //!
 //! An input that a law does not look at (the position of a sphere in contact) need not be set.
 
+mod bonds;
 mod formulas;
 mod members;
 
+pub use bonds::{
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRest, BondTotal, FreeStrain, LocalDamping, ReversedHistory,
+    TurnOrientation,
+};
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage,
     ReleasedBySpheres, ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy,
@@ -33,8 +39,10 @@ pub use formulas::{
 };
 pub use members::{Members, Parameter, Parameters};
 
+use crate::bond::{self, Advance, Bond, Cement, Coefficients, Form, History, Modes, Posture, Reaction, Rest, Stress};
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
 use crate::motion::gear::Trajectory;
+use crate::motion::orientation::Quaternion;
 use crate::real::{CFunction, Symbol};
 use crate::{Real, Vec3};
 
@@ -119,12 +127,13 @@ pub fn types() -> String {
     .concat()
 }
 
-/// Every formula by its name, as a function, in the given variant of the contact law.
+fn entry<F: Formula>(formula: &F) -> (&'static str, CFunction) {
+    (F::NAME, function(formula))
+}
+
+/// Every formula of contacts and motion by its name, as a function, in the given variant of the contact law.
 #[must_use]
 pub fn functions(law: Law) -> Vec<(&'static str, CFunction)> {
-    fn entry<F: Formula>(formula: &F) -> (&'static str, CFunction) {
-        (F::NAME, function(formula))
-    }
     vec![
         entry(&NearestImage),
         entry(&TouchOfSpheres),
@@ -149,6 +158,52 @@ pub fn functions(law: Law) -> Vec<(&'static str, CFunction)> {
 #[must_use]
 pub fn source(law: Law) -> String {
     functions(law).into_iter().fold(types(), |text, (_, function)| text + "\n" + &function.text)
+}
+
+/// The structs that the functions of bonds exchange besides those of [`types`], as typedefs.
+#[must_use]
+pub fn bond_types() -> String {
+    [
+        Quaternion::<Symbol>::definition(),
+        Modes::<Symbol>::definition(),
+        Coefficients::<Symbol>::definition(),
+        Cement::<Symbol>::definition(),
+        Bond::<Symbol>::definition(),
+        Posture::<Symbol>::definition(),
+        Rest::<Symbol>::definition(),
+        History::<Symbol>::definition(),
+        Advance::<Symbol>::definition(),
+        Stress::<Symbol>::definition(),
+        Reaction::<Symbol>::definition(),
+    ]
+    .concat()
+}
+
+/// Every formula of bonds by its name, as a function, in the given variant: the law itself is `bond_total` or
+/// `bond_incremental`.
+#[must_use]
+pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
+    let bond::Law { form, damping } = law;
+    vec![
+        entry(&BondBetween),
+        entry(&FreeStrain),
+        entry(&BondRest),
+        match form {
+            Form::Total => entry(&BondTotal { damping }),
+            Form::Incremental(tension) => entry(&BondIncremental { tension, damping }),
+        },
+        entry(&ReversedHistory),
+        entry(&BondLoss),
+        entry(&BondEnergy),
+        entry(&TurnOrientation),
+        entry(&LocalDamping),
+    ]
+}
+
+/// What bonds add to [`source`], to stand behind it.
+#[must_use]
+pub fn bond_source(law: bond::Law) -> String {
+    bond_functions(law).into_iter().fold(bond_types(), |text, (_, function)| text + "\n" + &function.text)
 }
 
 #[cfg(test)]

@@ -6,10 +6,12 @@ use std::fs;
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use tdem_physics::bond::{self, Advance, Bond, Cement, History, Modes, Posture, Reaction, Rest, Section, Tension};
 use tdem_physics::contact::{
     Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
 use tdem_physics::motion::gear::Trajectory;
+use tdem_physics::motion::orientation::Quaternion;
 use tdem_physics::print::{self, Formula, Parameter, Parameters};
 use tdem_physics::real::{Lanes, Symbol, WIDTH};
 use tdem_physics::{Vec3, vec3};
@@ -117,6 +119,85 @@ fn laws_without_variants_have_the_bits_of_the_law() {
     alone(print::GearCorrect, |rng| (rng.trajectory(), rng.vector(-20, 20), rng.size(-9, 3), rng.dt()));
 }
 
+#[test]
+fn bonds_in_total_form_have_the_bits_of_the_law() {
+    let formulas = DAMPINGS.map(|damping| print::BondTotal { damping });
+    let mut ends = Ends::default();
+    let draw = |rng: &mut Rng| {
+        let (first, second, offset) = rng.bonded_spheres();
+        let posture = Posture {
+            bonded_offset: offset + rng.vector(-20, -12) * offset.x,
+            first_orientation: rng.orientation(),
+            second_orientation: rng.orientation(),
+            free_strain: if rng.one_in(2) { 0.0 } else { rng.number(-16, -6) },
+        };
+        (first, second, offset, posture, rng.bond())
+    };
+    compare(&formulas, SPHERE_PAIRS, draw, |_, (reaction,)| ends.count(reaction));
+    ends.are_mixed();
+}
+
+#[test]
+fn bonds_in_incremental_form_have_the_bits_of_the_law() {
+    let formulas = [Tension::FromLength, Tension::Stored]
+        .map(|tension| DAMPINGS.map(|damping| print::BondIncremental { tension, damping }))
+        .concat();
+    let mut ends = Ends::default();
+    let draw = |rng: &mut Rng| {
+        let (first, second, offset) = rng.bonded_spheres();
+        let length = offset.dot(offset).sqrt();
+        let turned = offset * (1.0 / length) + rng.vector(-12, -2);
+        let earlier = History { normal: turned * (1.0 / turned.dot(turned).sqrt()), ..rng.history() };
+        let rest = Rest { length: length * (1.0 + rng.number(-20, -8)), growth: length * rng.number(-30, -20) };
+        (first, second, offset, Advance { earlier, rest, step: rng.dt() }, rng.bond())
+    };
+    compare(&formulas, SPHERE_PAIRS, draw, |_, (_, reaction)| ends.count(reaction));
+    ends.are_mixed();
+}
+
+#[test]
+fn what_bonds_need_has_the_bits_of_the_law() {
+    alone(print::BondBetween, |rng| (rng.cement(), rng.size(-12, -2), rng.size(-12, -2), rng.size(30, 50)));
+    alone(print::FreeStrain, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.size(-12, -2), rng.number(-16, -6)));
+    alone(print::BondRest, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.number(-16, -6)));
+    alone(print::ReversedHistory, |rng| (rng.history(),));
+    alone(print::BondLoss, |rng| {
+        let (first, second, offset) = rng.bonded_spheres();
+        (first, second, rng.sphere(), rng.sphere(), offset, rng.bond(), rng.dt())
+    });
+    alone(print::BondEnergy, |rng| {
+        let load = Modes {
+            normal: rng.number(-10, 10),
+            shear: rng.vector(-10, 10),
+            torsion: rng.number(-20, 0),
+            bending: rng.vector(-20, 0),
+        };
+        (load, rng.bond())
+    });
+    alone(print::TurnOrientation, |rng| (rng.orientation(), rng.vector(-6, 8), rng.dt()));
+    alone(print::LocalDamping, |rng| {
+        let velocity = if rng.one_in(4) { rng.displacement(Vec3::zero()) } else { rng.vector(-10, 3) };
+        (rng.vector(-10, 10), velocity, rng.size(-3, 0))
+    });
+}
+
+/// Whether bonds have dashpots.
+const DAMPINGS: [bond::Damping; 2] = [bond::Damping::Off, bond::Damping::Viscous];
+
+/// How bonds ended: held, torn, sheared off.
+#[derive(Default, Debug)]
+struct Ends([usize; 3]);
+
+impl Ends {
+    fn count(&mut self, reaction: &Reaction<f64>) {
+        self.0[reaction.failure as usize] += 1;
+    }
+    fn are_mixed(&self) {
+        let all: usize = self.0.iter().sum();
+        assert!(self.0.iter().all(|&count| count > all / 20), "{self:?}");
+    }
+}
+
 /// Compares a law without variants.
 fn alone<F: Formula + std::fmt::Debug>(formula: F, draw: impl Fn(&mut Rng) -> F::Input<f64>) {
     compare(&[formula], OTHERS, draw, |_, _| {});
@@ -206,6 +287,44 @@ impl Rng {
             static_friction,
             dynamic_friction: if self.one_in(2) { static_friction } else { static_friction.min(0.05) },
             least_normal_force,
+        }
+    }
+    fn bonded_spheres(&mut self) -> (Sphere<f64>, Sphere<f64>, Vec3<f64>) {
+        let (first, second) = (self.sphere(), self.sphere());
+        let length = (first.radius + second.radius) * (1.0 + self.number(-20, -3));
+        (first, second, self.direction() * length)
+    }
+    fn orientation(&mut self) -> Quaternion<f64> {
+        if self.one_in(8) {
+            return Quaternion::identity();
+        }
+        let (vector, scalar) = (self.vector(-12, 0), self.number(-1, 0));
+        let inverse = 1.0 / (vector.dot(vector) + scalar * scalar).sqrt();
+        Quaternion { vector: vector * inverse, scalar: scalar * inverse }
+    }
+    fn cement(&mut self) -> Cement<f64> {
+        let strength = |rng: &mut Rng| if rng.one_in(3) { f64::INFINITY } else { rng.size(12, 40) };
+        Cement {
+            stiffness_ratio: if self.one_in(8) { 0.0 } else { self.size(-4, 1) },
+            radius_multiplier: self.size(-2, 1),
+            tensile_strength: strength(self),
+            shear_strength: strength(self),
+            internal_friction: if self.one_in(2) { 0.0 } else { self.size(-2, 1) },
+            moment_contribution: [0.0, 0.5, 1.0][self.below(3) as usize],
+            damping_ratio: if self.one_in(4) { 0.0 } else { self.size(-8, 0) },
+        }
+    }
+    fn bond(&mut self) -> Bond<f64> {
+        let cement = self.cement();
+        let section = Section::between(cement.radius_multiplier, self.size(-9, -2), self.size(-9, -2));
+        Bond::new(&cement, &section, self.size(30, 50))
+    }
+    fn history(&mut self) -> History<f64> {
+        History {
+            normal: self.direction(),
+            tension: self.number(-10, 20),
+            shear: if self.one_in(4) { Vec3::zero() } else { self.vector(-10, 20) },
+            couple: if self.one_in(4) { Vec3::zero() } else { self.vector(-20, 10) },
         }
     }
     fn trajectory(&mut self) -> Trajectory<f64> {
@@ -379,7 +498,7 @@ fn lanes<F: Formula>(formula: &F, rows: &[f64], numbers_in: usize, numbers_out: 
 /// A program that reads the number of rows and the rows, and answers with the results of every formula in turn.
 fn c_program<F: Formula>(formulas: &[F], inputs: &[Parameter], outputs: &[Parameter]) -> String {
     let mut text = format!("{}#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n", print::HOST_PRELUDE);
-    text += &print::types();
+    text += &(print::types() + &print::bond_types());
     let name = F::NAME;
     for (variant, formula) in formulas.iter().enumerate() {
         let function = print::function(formula).text;

@@ -1,8 +1,10 @@
 //! What the structs of the laws are made of: one table per struct gives its typedef in C, the names by which printed
 //! code reaches its numbers, and its numbers as a flat row.
 
+use crate::bond::{Advance, Bond, Cement, Coefficients, History, Modes, Posture, Reaction, Rest, Stress};
 use crate::contact::{Interaction, Kick, Losses, Period, Response, Sphere, Touch};
 use crate::motion::gear::Trajectory;
+use crate::motion::orientation::Quaternion;
 use crate::{Real, Vec3};
 
 /// A bundle whose numbers can be walked through in the order in which C lays them out.
@@ -156,6 +158,47 @@ members!(Interaction {
 members!(Losses { friction: R, damping: R, stiffening: R });
 members!(Response { force: Vec3<R>, moment_per_arm: Vec3<R>, displacement: Vec3<R>, losses: Losses<R> });
 members!(Trajectory { position: Vec3<R>, velocity: Vec3<R>, derivatives: [Vec3<R>; 4] });
+
+members!(Quaternion { vector: Vec3<R>, scalar: R });
+members!(Modes { normal: R, shear: Vec3<R>, torsion: R, bending: Vec3<R> });
+members!(Coefficients { normal: R, shear: R, torsion: R, bending: R });
+members!(Cement {
+    stiffness_ratio: R,
+    radius_multiplier: R,
+    tensile_strength: R,
+    shear_strength: R,
+    internal_friction: R,
+    moment_contribution: R,
+    damping_ratio: R,
+});
+members!(Bond {
+    stiffness: Coefficients<R>,
+    damping: Coefficients<R>,
+    stress_per_force: R,
+    stress_per_torsion: R,
+    stress_per_bending: R,
+    tensile_strength: R,
+    shear_strength: R,
+    internal_friction: R,
+});
+members!(Posture {
+    bonded_offset: Vec3<R>,
+    first_orientation: Quaternion<R>,
+    second_orientation: Quaternion<R>,
+    free_strain: R,
+});
+members!(Rest { length: R, growth: R });
+members!(History { normal: Vec3<R>, tension: R, shear: Vec3<R>, couple: Vec3<R> });
+members!(Advance { earlier: History<R>, rest: Rest<R>, step as dt: R });
+members!(Stress { axial: R, tensile: R, shear: R });
+members!(Reaction {
+    force: Vec3<R>,
+    first_moment: Vec3<R>,
+    second_moment: Vec3<R>,
+    load: Modes<R>,
+    stress: Stress<R>,
+    failure: R,
+});
 
 macro_rules! parameters {
     ($($letter:ident $index:tt),*) => {

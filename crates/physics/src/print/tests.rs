@@ -111,3 +111,57 @@ fn numbers_come_back_as_they_went_in() {
     sphere.write(&mut |number| row.push(number));
     assert_eq!(row, (1..=11).map(f64::from).collect::<Vec<_>>());
 }
+
+#[test]
+fn the_source_of_bonds_holds_types_and_every_function_once() {
+    let damping = bond::Damping::Viscous;
+    for form in [Form::Total, Form::Incremental(bond::Tension::FromLength), Form::Incremental(bond::Tension::Stored)] {
+        let law = bond::Law { form, damping };
+        let source = bond_source(law);
+        let bonds = bond_functions(law);
+        for (name, function) in &bonds {
+            assert_eq!(source.matches(&format!(" {name}(")).count(), 1, "{name}");
+            assert!(source.contains(&function.text));
+        }
+        let names = functions(Law::GNTM).into_iter().map(|(name, _)| name);
+        assert!(names.into_iter().all(|name| bonds.iter().all(|(other, _)| name != *other)), "no name is used twice");
+    }
+    let reaction = "\
+typedef struct {
+    Vec3 force;
+    Vec3 first_moment;
+    Vec3 second_moment;
+    Modes load;
+    Stress stress;
+    real failure;
+} Reaction;
+";
+    assert!(bond_types().contains(reaction));
+}
+
+#[test]
+fn an_undamped_bond_in_total_form_does_not_look_at_motion() {
+    let text = function(&BondTotal { damping: bond::Damping::Off }).text;
+    for unused in ["velocity", "mass", "position", "damping"] {
+        assert!(!text.contains(unused), "{unused}");
+    }
+    for kept in ["bond_length", "carried_x", "turn_z", "twist", "normal_force", "bending_moment_y", "tensile_stress"] {
+        assert!(text.contains(&format!("const real {kept} = ")), "{kept}\n{text}");
+    }
+}
+
+/// Regression: what one bond costs, for the roofline.
+#[test]
+fn operations_of_a_bond() {
+    let total = function(&BondTotal { damping: bond::Damping::Off });
+    let operations = Operations {
+        additions: 78,
+        multiplications: 125,
+        divisions: 3,
+        square_roots: 4,
+        comparisons: 3,
+        selections: 3,
+        sign_changes: 1,
+    };
+    assert_eq!(total.operations(), operations);
+}

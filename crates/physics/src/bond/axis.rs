@@ -1,0 +1,83 @@
+//! Where a bond lies and how its ends move against each other.
+
+use super::Modes;
+use crate::contact::Sphere;
+use crate::{Real, Vec3};
+
+/// The two bodies of a bond.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<R> {
+    /// Of its members only `radius` is looked at everywhere; `position` never is.
+    pub first: Sphere<R>,
+    /// The other one.
+    pub second: Sphere<R>,
+    /// From the first centre to the second, the nearest image, m.
+    pub offset: Vec3<R>,
+}
+
+/// Where a bond lies.
+#[derive(Clone, Copy, Debug)]
+pub struct Axis<R> {
+    /// $\mathbf n$ from the first body to the second.
+    pub normal: Vec3<R>,
+    /// $L$, m.
+    pub length: R,
+    /// $d_1 = LR_1/(R_1+R_2)$, m.
+    pub first_arm: R,
+    /// $d_2 = LR_2/(R_1+R_2)$, m.
+    pub second_arm: R,
+}
+
+impl<R: Real> Axis<R> {
+    /// The axis between two bodies.
+    ///
+    /// # Numerics
+    /// The arms add up to the length, whatever the radii: linear and angular momentum are both conserved. A thermal
+    /// growth of the radii that both bodies share does not move the middle.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(ends: &Ends<R>) -> Self {
+        let length = ends.offset.dot(ends.offset).sqrt().named("bond_length");
+        let normal = (ends.offset * (R::lit(1.0) / length)).named(["normal_x", "normal_y", "normal_z"]);
+        let (first, second) = (ends.first.radius, ends.second.radius);
+        let length_per_radius = length / (first + second);
+        Axis {
+            normal,
+            length,
+            first_arm: (length_per_radius * first).named("first_arm"),
+            second_arm: (length_per_radius * second).named("second_arm"),
+        }
+    }
+
+    /// The rates of deformation, m/s and rad/s.
+    ///
+    /// $$\mathbf v_c = \mathbf v_2 - \mathbf v_1 - (d_1\boldsymbol\omega_1 + d_2\boldsymbol\omega_2)\times\mathbf n,\qquad
+    /// \boldsymbol\omega_r = \boldsymbol\omega_2 - \boldsymbol\omega_1$$
+    ///
+    /// # Returns
+    /// $\mathbf v_c\cdot\mathbf n$, $\mathbf v_c - (\mathbf v_c\cdot\mathbf n)\mathbf n$, $\boldsymbol\omega_r\cdot\mathbf
+    /// n$, $\boldsymbol\omega_r - (\boldsymbol\omega_r\cdot\mathbf n)\mathbf n$.
+    #[inline(always)]
+    #[must_use]
+    pub fn motion(&self, ends: &Ends<R>) -> Modes<R> {
+        let (first, second) = (&ends.first, &ends.second);
+        let rolling = first.angular_velocity * self.first_arm + second.angular_velocity * self.second_arm;
+        let velocity = second.velocity - first.velocity - rolling.cross(self.normal);
+        let spin = second.angular_velocity - first.angular_velocity;
+        let stretching = velocity.dot(self.normal).named("stretching");
+        let twisting = spin.dot(self.normal).named("twisting");
+        Modes {
+            normal: stretching,
+            shear: velocity - self.normal * stretching,
+            torsion: twisting,
+            bending: spin - self.normal * twisting,
+        }
+    }
+
+    /// $M_t\mathbf n + \mathbf M_b$ of a load.
+    #[inline(always)]
+    #[must_use]
+    pub fn couple(&self, load: &Modes<R>) -> Vec3<R> {
+        self.normal * load.torsion + load.bending
+    }
+}

@@ -1,0 +1,198 @@
+//! The laws of bonds that kernels call, as functions with named inputs and outputs.
+
+use super::Formula;
+use crate::bond::{
+    self, Advance, Bond, Cement, Damping, Ends, History, Modes, Posture, Reaction, Rest, Section, Tension, damping,
+    expansion,
+};
+use crate::contact::Sphere;
+use crate::motion::local_damping;
+use crate::motion::orientation::Quaternion;
+use crate::{Real, Vec3};
+
+/// [`Section::between`] and [`Bond::new`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondBetween;
+
+impl Formula for BondBetween {
+    const NAME: &'static str = "bond_between";
+    const INPUTS: &'static [&'static str] = &["cement", "first_radius", "second_radius", "stiffness_per_area"];
+    const OUTPUTS: &'static [&'static str] = &["bond"];
+    type Input<R: Real> = (Cement<R>, R, R, R);
+    type Output<R: Real> = (Bond<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (cement, first, second, stiffness_per_area): Self::Input<R>) -> Self::Output<R> {
+        (Bond::new(&cement, &Section::between(cement.radius_multiplier, first, second), stiffness_per_area),)
+    }
+}
+
+/// [`expansion::free_strain`].
+#[derive(Clone, Copy, Debug)]
+pub struct FreeStrain;
+
+impl Formula for FreeStrain {
+    const NAME: &'static str = "free_strain";
+    const INPUTS: &'static [&'static str] = &["first_radius", "first_strain", "second_radius", "second_strain"];
+    const OUTPUTS: &'static [&'static str] = &["strain"];
+    type Input<R: Real> = (R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(
+        &self,
+        (first_radius, first_strain, second_radius, second_strain): Self::Input<R>,
+    ) -> Self::Output<R> {
+        (expansion::free_strain(first_radius, first_strain, second_radius, second_strain),)
+    }
+}
+
+/// [`Rest::of`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondRest;
+
+impl Formula for BondRest {
+    const NAME: &'static str = "bond_rest";
+    const INPUTS: &'static [&'static str] = &["bonded_length", "free_strain", "earlier_free_strain"];
+    const OUTPUTS: &'static [&'static str] = &["rest"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (Rest<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (bonded_length, free_strain, earlier): Self::Input<R>) -> Self::Output<R> {
+        (Rest::of(bonded_length, free_strain, earlier),)
+    }
+}
+
+/// [`bond::respond_total`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondTotal {
+    /// Whether there are dashpots; velocities and masses are looked at if there are.
+    pub damping: Damping,
+}
+
+impl Formula for BondTotal {
+    const NAME: &'static str = "bond_total";
+    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "posture", "bond"];
+    const OUTPUTS: &'static [&'static str] = &["reaction"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Posture<R>, Bond<R>);
+    type Output<R: Real> = (Reaction<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second, offset, posture, bond): Self::Input<R>) -> Self::Output<R> {
+        (bond::respond_total(self.damping, &Ends { first, second, offset }, &posture, &bond),)
+    }
+}
+
+/// [`bond::respond_incremental`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondIncremental {
+    /// Where the normal force comes from.
+    pub tension: Tension,
+    /// Whether there are dashpots; masses are looked at if there are.
+    pub damping: Damping,
+}
+
+impl Formula for BondIncremental {
+    const NAME: &'static str = "bond_incremental";
+    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "advance", "bond"];
+    const OUTPUTS: &'static [&'static str] = &["history", "reaction"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Advance<R>, Bond<R>);
+    type Output<R: Real> = (History<R>, Reaction<R>);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second, offset, advance, bond): Self::Input<R>) -> Self::Output<R> {
+        let ends = Ends { first, second, offset };
+        bond::respond_incremental(self.tension, self.damping, &ends, &advance, &bond)
+    }
+}
+
+/// [`History::reversed`].
+#[derive(Clone, Copy, Debug)]
+pub struct ReversedHistory;
+
+impl Formula for ReversedHistory {
+    const NAME: &'static str = "reversed_history";
+    const INPUTS: &'static [&'static str] = &["history"];
+    const OUTPUTS: &'static [&'static str] = &["reversed"];
+    type Input<R: Real> = (History<R>,);
+    type Output<R: Real> = (History<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (history,): Self::Input<R>) -> Self::Output<R> {
+        (history.reversed(),)
+    }
+}
+
+/// [`damping::loss`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondLoss;
+
+impl Formula for BondLoss {
+    const NAME: &'static str = "bond_loss";
+    const INPUTS: &'static [&'static str] =
+        &["first", "second", "settled_first", "settled_second", "offset", "bond", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["loss"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Sphere<R>, Sphere<R>, Vec3<R>, Bond<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(
+        &self,
+        (first, second, settled_first, settled_second, offset, bond, dt): Self::Input<R>,
+    ) -> Self::Output<R> {
+        let settled = Ends { first: settled_first, second: settled_second, offset };
+        (damping::loss(&Ends { first, second, offset }, &settled, &bond, dt),)
+    }
+}
+
+/// [`bond::stored_energy`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondEnergy;
+
+impl Formula for BondEnergy {
+    const NAME: &'static str = "bond_energy";
+    const INPUTS: &'static [&'static str] = &["load", "bond"];
+    const OUTPUTS: &'static [&'static str] = &["energy"];
+    type Input<R: Real> = (Modes<R>, Bond<R>);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (load, bond): Self::Input<R>) -> Self::Output<R> {
+        (bond::stored_energy(&load, &bond),)
+    }
+}
+
+/// [`Quaternion::turned`].
+#[derive(Clone, Copy, Debug)]
+pub struct TurnOrientation;
+
+impl Formula for TurnOrientation {
+    const NAME: &'static str = "turn_orientation";
+    const INPUTS: &'static [&'static str] = &["orientation", "angular_velocity", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["turned"];
+    type Input<R: Real> = (Quaternion<R>, Vec3<R>, R);
+    type Output<R: Real> = (Quaternion<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (orientation, angular_velocity, dt): Self::Input<R>) -> Self::Output<R> {
+        (orientation.turned(angular_velocity, dt),)
+    }
+}
+
+/// [`local_damping::damped`].
+#[derive(Clone, Copy, Debug)]
+pub struct LocalDamping;
+
+impl Formula for LocalDamping {
+    const NAME: &'static str = "local_damping";
+    const INPUTS: &'static [&'static str] = &["force", "velocity", "coefficient"];
+    const OUTPUTS: &'static [&'static str] = &["damped"];
+    type Input<R: Real> = (Vec3<R>, Vec3<R>, R);
+    type Output<R: Real> = (Vec3<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (force, velocity, coefficient): Self::Input<R>) -> Self::Output<R> {
+        (local_damping::damped(force, velocity, coefficient),)
+    }
+}
