@@ -37,6 +37,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
     text += &extent(&built.state);
     text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
+    text += &entry("on a GPU", format!("about {} of its memory", bytes(built.memory.device_bytes)));
     text += &entry("step", summary::step(&built));
     text += &schedule(&built);
     text += &limits(&built.limits);

@@ -3,6 +3,7 @@
 use crate::machine::instructions;
 use crate::render::{Report, Reports};
 use crate::units::counted;
+use std::cmp::Reverse;
 use std::str::FromStr;
 use std::thread::available_parallelism;
 use tdem_engine::gpu::{Api, Listing, Survey};
@@ -11,7 +12,7 @@ use tdem_engine::{Device, cpu};
 /// What was asked for: `auto`, `cpu`, `opencl`, `cuda:1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
-    /// The first GPU that can be used, CUDA's before OpenCL's, else the processor.
+    /// The best GPU that can be used, CUDA's before OpenCL's, else the processor.
     Auto,
     /// The processor.
     Cpu,
@@ -61,18 +62,25 @@ impl Choice {
         let processor = || Found { device: options.into(), name: processor(&options) };
         match self {
             Choice::Cpu => Ok(processor()),
-            // Both interfaces show the same cards; CUDA is a little faster, and lists the fastest first.
-            Choice::Auto => Ok([Api::Cuda, Api::OpenCl]
-                .into_iter()
-                .flat_map(|api| Survey::of(api, |device| !device.processor).devices)
-                .find(|device| device.usable.is_ok())
-                .map_or_else(processor, |device| found(&device))),
+            Choice::Auto => {
+                Ok([Api::Cuda, Api::OpenCl].into_iter().find_map(best).map_or_else(processor, |best| found(&best)))
+            }
             Choice::Gpu(api, index) => {
                 let survey = Survey::of(api, |device| index.is_none_or(|index| device.index == index));
                 let usable = survey.devices.iter().find(|device| device.usable.is_ok()).map(found);
                 usable.ok_or_else(|| refusal(api, index, survey).into())
             }
         }
+    }
+}
+
+/// Both interfaces show the same cards; CUDA is a little faster, and lists the fastest first. Of OpenCL, the card with the
+/// most memory is taken, the first of several.
+fn best(api: Api) -> Option<Listing> {
+    let usable = Survey::of(api, |device| !device.processor).devices.into_iter().filter(|device| device.usable.is_ok());
+    match api {
+        Api::Cuda => usable.min_by_key(|device| device.index),
+        Api::OpenCl => usable.min_by_key(|device| (Reverse(device.memory), device.index)),
     }
 }
 

@@ -35,6 +35,14 @@ pub fn source(state: &State, plan: &Plan) -> String {
     format!("{PRELUDE}\n{}", program::Variant::of(plan, state).source())
 }
 
+/// How many bytes a run will hold on a device, all arrays together but for those of walls, with so many pairs in its list,
+/// all of which touch; [`crate::Simulation::bytes`] tells it of a run that is there.
+#[must_use]
+pub fn bytes(plan: &Plan, particles: usize, pairs: usize) -> usize {
+    let [row, slot, kept] = search::bytes_each(plan);
+    particles * (bodies::bytes_each(plan) + row) + pairs * (2 * slot + kept)
+}
+
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
     Ok(match api {

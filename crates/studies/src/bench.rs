@@ -193,6 +193,7 @@ fn agitation(particle: usize) -> [f64; 3] {
 mod tests {
     use super::*;
     use tdem_engine::cpu::{self, Options, Width};
+    use tdem_engine::gpu;
 
     #[test]
     fn the_block_touches_everywhere_and_its_result_does_not_depend_on_threads() {
@@ -204,6 +205,21 @@ mod tests {
         assert!(one.contacts_per_particle > 9.0, "{one:?}");
         assert_eq!(one.hash, three.hash);
         assert!(one.bytes_per_particle < 800.0 && one.best_rate >= one.median_rate);
+    }
+
+    #[test]
+    fn memory_of_a_device_is_known_before_a_run() {
+        let device = Device::Gpu { api: gpu::Api::OpenCl, index: 0 };
+        for (law, ledger) in [(Law::GN, false), (Law::GNTM, false), (Law::GNTM, true)] {
+            let block = ContactBlock { law, ledger, cells: [14, 14, 14], steps: 1, repeats: 1 };
+            let found = contact(&block, &device).unwrap();
+            let pairs = 0.5 * found.contacts_per_particle * found.particles as f64;
+            let expected = gpu::bytes(&plan(&block), found.particles, pairs.round() as usize);
+            let ratio = found.bytes_per_particle / (expected as f64 / found.particles as f64);
+            // Rows of particles at the surface are as long as those of their neighbours, and a little room is kept; without
+            // friction nothing is put aside until results are taken.
+            assert!(ratio > 0.92 && ratio < 1.08, "{block:?}: {found:?}, {ratio}");
+        }
     }
 
     #[test]

@@ -18,7 +18,7 @@ use crate::schedule::{Fields, schedule};
 use crate::schema::{self, Particles, Precision, Region};
 use crate::walls::{Plane, planes};
 use draft::{Draft, Spheres};
-use tdem_engine::{Contact, Domain, Integrator, Plan, Schedule, Search, State, cpu};
+use tdem_engine::{Contact, Domain, Integrator, Plan, Schedule, Search, State, cpu, gpu};
 
 /// A case ready to run.
 #[derive(Clone, Debug)]
@@ -48,6 +48,8 @@ pub struct Memory {
     pub state_bytes: u64,
     /// The most that a run on the CPU holds at a time: its arrays, and what it is writing, bytes.
     pub run_bytes: u64,
+    /// What a run on a GPU holds there, bytes.
+    pub device_bytes: u64,
 }
 
 /// Others that a particle is listed with: a crystal of equal spheres has as many, a random packing fewer.
@@ -72,7 +74,12 @@ impl Memory {
                 (true, Precision::Single) => FRAME + 1000,
                 (true, Precision::Double) => FRAME + 1400,
             });
-        Memory { particles, state_bytes: state as u64, run_bytes: (arrays + COPIES * state + frame) as u64 }
+        Memory {
+            particles,
+            state_bytes: state as u64,
+            run_bytes: (arrays + COPIES * state + frame) as u64,
+            device_bytes: gpu::bytes(plan, particles, particles * NEIGHBOURS / 2) as u64,
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use super::memory::{Buffer, Queue};
 use super::program::only_interaction;
 use super::runtime::{Error, Runtime};
 use crate::cpu::Quad;
-use crate::{Plan, State};
+use crate::{Integrator, Plan, State};
 
 /// What neighbours see of particles and walls, in working order. There are two, so that a step can read one and write
 /// the other; between steps the other one holds forces in `place` and moments in `spin`. While a list is made, it is room
@@ -65,6 +65,16 @@ impl<M> Half<M> {
     }
 }
 
+/// Bytes of the halves and fields, per particle.
+pub(super) fn bytes_each(plan: &Plan) -> usize {
+    let quad = size_of::<Quad>();
+    let (moments, gear) = (usize::from(plan.law.moments), plan.integrator == Integrator::Gear);
+    let kicks = if plan.ledger && !gear { 1 + moments } else { 0 };
+    let quads = 2 * (2 + moments) + if gear { 3 } else { 0 } + usize::from(plan.ledger) + kicks;
+    let words = 2 + if plan.domain.period().any() { 3 } else { 0 };
+    quads * quad + words * size_of::<u32>()
+}
+
 /// Vectors with nothing in the fourth place.
 pub(super) fn unpaired(vectors: &[[f64; 3]]) -> Vec<Quad> {
     vectors.iter().map(|&v| Quad::new(v, 0.0)).collect()
@@ -73,7 +83,7 @@ pub(super) fn unpaired(vectors: &[[f64; 3]]) -> Vec<Quad> {
 impl<M> Fields<M> {
     pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, state: &State, plan: &Plan) -> Result<Self, Error> {
         let n = state.len();
-        let gear = plan.integrator == crate::Integrator::Gear;
+        let gear = plan.integrator == Integrator::Gear;
         let kinds: Vec<u32> =
             state.material.iter().zip(&state.constraint).map(|(&m, &c)| u32::from(m) | u32::from(c) << 16).collect();
         let quads = |wanted: bool, given: bool, value: &dyn Fn(usize) -> [f64; 4]| -> Vec<Quad> {
@@ -83,8 +93,9 @@ impl<M> Fields<M> {
                 (true, true) => (0..n).map(|i| Quad(value(i))).collect(),
             }
         };
-        let derivatives =
-            |k: usize| quads(gear, !state.derivatives.is_empty(), &|i| state.derivatives[i].map(|derivative| derivative[k]));
+        let derivatives = |k: usize| {
+            quads(gear, !state.derivatives.is_empty(), &|i| state.derivatives[i].map(|derivative| derivative[k]))
+        };
         let accounts = quads(plan.ledger, !state.accounts.is_empty(), &|i| state.accounts[i]);
         let image: Vec<i32> = if plan.domain.period().any() {
             (0..3).flat_map(|k| state.image.iter().map(move |image| image[k])).collect()

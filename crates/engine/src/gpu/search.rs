@@ -8,7 +8,8 @@ use super::memory::{Buffer, Queue};
 use super::run::Gpu;
 use super::runtime::{Error, Runtime};
 use crate::cpu::{Quad, class_of};
-use crate::{Fault, State};
+use crate::{Fault, Plan, State};
+use tdem_physics::contact::Friction;
 
 /// Particles of a slice of rows, as in `kernels/particle.cl`.
 pub(super) const SLICE: usize = 32;
@@ -111,6 +112,15 @@ impl<M> Scratch<M> {
             known_levels: Vec::new(),
         })
     }
+}
+
+/// Bytes of the list and of what is needed to make it: per particle, if there are as many cells; per slot of a row; per
+/// touching pair.
+pub(super) fn bytes_each(plan: &Plan) -> [usize; 3] {
+    let word = size_of::<u32>();
+    let displacement = if plan.law.friction == Friction::Off { 0 } else { 3 * size_of::<f64>() };
+    // The reference; the order, the start of a cell, that of the histories put aside.
+    [size_of::<u64>() + 3 * word, word + displacement, word + displacement]
 }
 
 /// Makes sure of room for `len` values; what was there may be lost.

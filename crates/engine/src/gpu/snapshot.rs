@@ -100,11 +100,7 @@ impl<R: Runtime> Snapshot<R> {
             } else {
                 gather(&at, |i| std::array::from_fn(|d| derivatives.map(|of_coordinate| of_coordinate[i].0[d])))
             },
-            accounts: if accounts.is_empty() {
-                Vec::new()
-            } else {
-                gather(&at, |i| accounts[i].0)
-            },
+            accounts: if accounts.is_empty() { Vec::new() } else { gather(&at, |i| accounts[i].0) },
             wall_position: self.wall_place.view()?.iter().map(|p| p.vector().into()).collect(),
             contacts,
             wall_contacts,
