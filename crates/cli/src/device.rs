@@ -53,12 +53,14 @@ pub(crate) fn word(api: Api) -> &'static str {
 pub(crate) struct Found {
     pub(crate) device: Device,
     pub(crate) name: String,
+    /// What its interface tells of it; nothing of the processor.
+    pub(crate) listing: Option<Listing>,
 }
 
 impl Choice {
     /// Finds the device; `options` are for the processor.
     pub(crate) fn find(self, options: cpu::Options) -> Result<Found, Reports> {
-        let processor = || Found { device: options.into(), name: processor(&options) };
+        let processor = || Found { device: options.into(), name: processor(&options), listing: None };
         match self {
             Choice::Cpu => Ok(processor()),
             // Both interfaces show the same cards; CUDA is a little faster, and lists the fastest first.
@@ -86,6 +88,7 @@ fn found(listing: &Listing) -> Found {
     Found {
         device: Device::Gpu { api: listing.api, index: listing.index },
         name: format!("{} through {}", listing.name, listing.api),
+        listing: Some(listing.clone()),
     }
 }
 
