@@ -1,15 +1,16 @@
 //! Where the time of a step goes on the processor, stage by stage, and how fast its threads copy.
 //!
-//! The bytes of a stage are those of whole arrays, each as often as the stage reads or writes it:
+//! The bytes of a stage are those of whole arrays, counted once for reading and once for writing; of what pairs remember
+//! and keep for each other, only what touching ones do:
 //!
-//! | stage | once | twice |
-//! |---|---|---|
-//! | predict | force and moment (Verlet), constraint, reference; kick and twist are written | place, motion, spin or derivatives |
-//! | search | place, rank, material; the list, touching, displacement and reference are written | histories of touching pairs |
-//! | contact | place, motion, spin, rank, kick, twist, material, the list; force and moment are written | touching, accounts; displacement of touching pairs; their reaction is written once |
-//! | gather | incoming, touching, reaction of touching pairs | force, moment, wall slots |
-//! | boundary | motion, constraint (ledger) | force |
-//! | correct | force, moment, constraint, place (Verlet) | motion, spin, place and derivatives (Gear) |
+//! | stage | reads | writes | both |
+//! |---|---|---|---|
+//! | predict | constraint, reference; under Verlet force, moment | kick, twist | place, motion, derivatives; under Verlet spin |
+//! | search | place, rank | rows, incoming, touching, displacement, reaction, reference, wall slots | histories |
+//! | contact | place, motion, spin, kick, twist, material, rows; with a ledger rank | force, moment, reaction | touching, displacement, accounts |
+//! | gather | incoming, touching, reaction | | force, moment, wall slots |
+//! | boundary | motion; with a ledger constraint | | force |
+//! | correct | force, moment, constraint; under Verlet place, for moments | | motion, spin, derivatives; under Gear place |
 //!
 //! Arrays that a plan does without are empty and count nothing.
 
