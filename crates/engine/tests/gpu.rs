@@ -31,20 +31,25 @@ fn run(state: &State, plan: &Plan, device: Device, steps: u64) -> Result<State, 
     simulation.state()
 }
 
-/// The states must agree in every field; a message names the first that does not.
+/// The states must agree in every field; a message names the first that does not, and where.
 fn assert_same(found: &State, expected: &State, what: &str) {
-    let differ = |name: &str, a: &[[f64; 3]], b: &[[f64; 3]]| {
-        if let Some(i) = (0..a.len()).find(|&i| a[i] != b[i]) {
-            panic!("{what}: {name} of particle {i} is {:?}, not {:?}", a[i], b[i]);
+    fn differ<T: PartialEq + std::fmt::Debug>(what: &str, name: &str, found: &[T], expected: &[T]) {
+        assert_eq!(found.len(), expected.len(), "{what}: number of entries of {name}");
+        if let Some(i) = (0..found.len()).find(|&i| found[i] != expected[i]) {
+            panic!("{what}: entry {i} of {name} is {:?}, not {:?}", found[i], expected[i]);
         }
-    };
-    differ("position", &found.position, &expected.position);
-    differ("velocity", &found.velocity, &expected.velocity);
-    differ("angular velocity", &found.angular_velocity, &expected.angular_velocity);
-    differ("force", &found.force, &expected.force);
-    differ("moment", &found.moment, &expected.moment);
-    assert_eq!(found.contacts.len(), expected.contacts.len(), "{what}: contacts");
-    assert_eq!(found, expected, "{what}");
+    }
+    differ(what, "position", &found.position, &expected.position);
+    differ(what, "velocity", &found.velocity, &expected.velocity);
+    differ(what, "angular velocity", &found.angular_velocity, &expected.angular_velocity);
+    differ(what, "force", &found.force, &expected.force);
+    differ(what, "moment", &found.moment, &expected.moment);
+    differ(what, "derivatives", &found.derivatives, &expected.derivatives);
+    differ(what, "accounts", &found.accounts, &expected.accounts);
+    differ(what, "image", &found.image, &expected.image);
+    differ(what, "contacts", &found.contacts, &expected.contacts);
+    differ(what, "wall contacts", &found.wall_contacts, &expected.wall_contacts);
+    assert!(found == expected, "{what}: another field differs");
     assert_eq!(found.hash(), expected.hash(), "{what}");
 }
 

@@ -121,7 +121,7 @@ fn bytes_per_call(law: Law, device: Device) -> (Vec<(&'static str, u64)>, f64) {
 fn bytes_of_two_spheres_on_a_device() {
     // Four numbers of a field are 32 B, of two spheres 64 B; the status is read and written, 32 B.
     let field = 64;
-    let (status, reference, slice, slots) = (32, 48, 8, 4 * 32);
+    let (status, reference, slice, slots) = (32, 2 * 8, 8, 4 * 32);
     let predict = status + 2 * field + 2 * field + field + reference;
     let contact = status + field + field + field + slice + slots;
     let correct = status + 2 * field + field;

@@ -8,7 +8,8 @@ use crate::cpu::Quad;
 use crate::{Plan, State};
 
 /// What neighbours see of particles and walls, in working order. There are two, so that a step can read one and write
-/// the other; between steps the other one holds forces in `place` and moments in `spin`.
+/// the other; between steps the other one holds forces in `place` and moments in `spin`. While a list is made, it is room
+/// for the search.
 pub(super) struct Half<M> {
     /// Position and radius.
     pub(super) place: Buffer<Quad, M>,
@@ -20,19 +21,17 @@ pub(super) struct Half<M> {
     pub(super) wall_place: Buffer<Quad, M>,
 }
 
-/// What only the particle itself needs, in working order; fields that the plan does without are empty. Fields of several
-/// numbers stand in planes of one number each.
+/// What only the particle itself needs, in working order; fields that the plan does without are empty.
 pub(super) struct Fields<M> {
     /// Place in the order of persistent ids.
     pub(super) rank: Buffer<u32, M>,
     /// Material, and above 16 bits the constraint.
     pub(super) kind: Buffer<u32, M>,
-    /// 3 planes.
+    /// 3 planes of one number each.
     pub(super) image: Buffer<i32, M>,
-    /// 12 planes.
-    pub(super) derivatives: Buffer<f64, M>,
-    /// 4 planes.
-    pub(super) accounts: Buffer<f64, M>,
+    /// The four of x, of y, of z.
+    pub(super) derivatives: [Buffer<Quad, M>; 3],
+    pub(super) accounts: Buffer<Quad, M>,
     pub(super) kick_by_half: Buffer<Quad, M>,
     pub(super) twist_by_half: Buffer<Quad, M>,
 }
@@ -77,15 +76,17 @@ impl<M> Fields<M> {
         let gear = plan.integrator == crate::Integrator::Gear;
         let kinds: Vec<u32> =
             state.material.iter().zip(&state.constraint).map(|(&m, &c)| u32::from(m) | u32::from(c) << 16).collect();
-        let planes = |count: usize, wanted: bool, given: bool, value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+        let quads = |wanted: bool, given: bool, value: &dyn Fn(usize) -> [f64; 4]| -> Vec<Quad> {
             match (wanted, given) {
                 (false, _) => Vec::new(),
-                (true, false) => vec![0.0; count * n],
-                (true, true) => (0..count).flat_map(|c| (0..n).map(move |i| value(c, i))).collect(),
+                (true, false) => vec![Quad::default(); n],
+                (true, true) => (0..n).map(|i| Quad(value(i))).collect(),
             }
         };
-        let derivatives = planes(12, gear, !state.derivatives.is_empty(), &|c, i| state.derivatives[i][c / 3][c % 3]);
-        let accounts = planes(4, plan.ledger, !state.accounts.is_empty(), &|c, i| state.accounts[i][c]);
+        let derivatives = |k: usize| {
+            quads(gear, !state.derivatives.is_empty(), &|i| state.derivatives[i].map(|derivative| derivative[k]))
+        };
+        let accounts = quads(plan.ledger, !state.accounts.is_empty(), &|i| state.accounts[i]);
         let image: Vec<i32> = if plan.domain.period().any() {
             (0..3).flat_map(|k| state.image.iter().map(move |image| image[k])).collect()
         } else {
@@ -96,7 +97,11 @@ impl<M> Fields<M> {
             rank: queue.buffer_of(&(0..n as u32).collect::<Vec<_>>())?,
             kind: queue.buffer_of(&kinds)?,
             image: queue.buffer_of(&image)?,
-            derivatives: queue.buffer_of(&derivatives)?,
+            derivatives: [
+                queue.buffer_of(&derivatives(0))?,
+                queue.buffer_of(&derivatives(1))?,
+                queue.buffer_of(&derivatives(2))?,
+            ],
             accounts: queue.buffer_of(&accounts)?,
             kick_by_half: queue.zeros(kicks)?,
             twist_by_half: queue.zeros(if plan.law.moments { kicks } else { 0 })?,
@@ -144,12 +149,14 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
     let particles = state.len();
     let half_skin = 0.5 * plan.search.skin;
     let period = plan.domain.period();
+    let ticks = Ticks::of(plan);
     // Bounds of directions that repeat are not a limit: a centre is brought back in before it is looked at.
     Step {
         dt: plan.dt,
         half_dt: 0.5 * plan.dt,
         history_dt: plan.dt,
         half_skin_squared: if plan.search.every_step { f64::INFINITY } else { half_skin * half_skin },
+        ticks_per_metre: ticks.per_metre,
         noted_way_squared: if plan.ledger { half_skin * half_skin } else { f64::INFINITY },
         overlap_limit: 0.5 * plan.overlap_limit,
         gravity: Vector(plan.gravity),
@@ -164,6 +171,36 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         parity: 0,
         frozen: 0,
         corrects: 0,
-        padding: 0,
+        ticks_allowed: ticks.allowed,
+    }
+}
+
+/// How ways are measured that decide when a list is due, see `kernels/particle.cl`.
+struct Ticks {
+    per_metre: f64,
+    /// Squared ticks.
+    allowed: u32,
+}
+
+impl Ticks {
+    /// Ticks of a skin: a way of 2,048 skins within one step would be taken for none.
+    const OF_SKIN: f64 = 512.0;
+    /// Up to how many ticks a way may be longer than it seems: each coordinate is cut off at both ends, and a period is
+    /// not a whole number of ticks.
+    const UNSEEN: f64 = 4.0;
+
+    fn of(plan: &Plan) -> Self {
+        let per_metre = Self::OF_SKIN / plan.search.skin;
+        let farthest = plan.domain.length().into_iter().fold(0.0, f64::max) * per_metre;
+        if plan.search.every_step {
+            // No way has any length.
+            Ticks { per_metre: 0.0, allowed: 1 }
+        } else if farthest < 1e15 {
+            let half = 0.5 * Self::OF_SKIN - Self::UNSEEN;
+            Ticks { per_metre, allowed: (half * half) as u32 }
+        } else {
+            // No skin, or hardly any: the list is always due.
+            Ticks { per_metre: 0.0, allowed: 0 }
+        }
     }
 }

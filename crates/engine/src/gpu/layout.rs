@@ -12,7 +12,7 @@
 //! | `update` | reads and writes it | twice |
 //! | `shared` | the same, and one work-item may see what another wrote | twice |
 //! | `amend` | reads it, and writes where something changed, which is seldom | once |
-//! | `seldom` | looks at it for few particles | no |
+//! | `seldom` | does without it for nearly all particles, or in many launches | no |
 //! | `touching_update` | reads and writes what touching pairs remember, in both rows | twice |
 //! | `touching_write` | writes it, in both rows | once |
 //! | `touching_read` | reads it, in one of both rows | once |
@@ -38,6 +38,9 @@ impl InC for f64 {
 }
 impl InC for u32 {
     const NAME: &'static str = "u32";
+}
+impl InC for u64 {
+    const NAME: &'static str = "u64";
 }
 impl InC for i32 {
     const NAME: &'static str = "i32";
@@ -122,8 +125,10 @@ records! {
         half_dt: f64,
         /// $\Delta t$ as forces see it, s: 0 while a fresh state is prepared.
         history_dt: f64,
-        /// m².
+        /// How far a wall may move before the list is due, m².
         half_skin_squared: f64,
+        /// Ticks are what ways of particles are measured in, 1/m.
+        ticks_per_metre: f64,
         /// Longer ways in one step are noted, m²: the list reaches farther then.
         noted_way_squared: f64,
         /// Largest overlap over the sum of radii.
@@ -148,7 +153,8 @@ records! {
         frozen: u32,
         /// Whether a prediction begins with the end of the step before.
         corrects: u32,
-        padding: u32,
+        /// A particle with this way or a longer one makes the list due, squared ticks.
+        ticks_allowed: u32,
     }
     /// A plane wall.
     Wall {
@@ -170,6 +176,10 @@ records! {
         skin: f64,
         /// Largest radius, m.
         largest: f64,
+        /// Where ticks are counted from, m.
+        origin: Vector,
+        /// 1/m.
+        ticks_per_metre: f64,
         period: Box3,
         particles: u32,
         walls: u32,
@@ -180,6 +190,9 @@ records! {
         wraps: u32,
         /// Whether histories were put aside.
         histories: u32,
+        /// Whether particles were put in the order of cells.
+        reordered: u32,
+        padding: u32,
     }
     /// The cells of one size class.
     Level {
@@ -326,13 +339,14 @@ kernels! {
     predict as Predict(128, 4) {
         step: value Step, status: shared u32,
         place: update Quad, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
-        derivatives: update f64, image: seldom i32, kind: read u32 where |v| v.constrained,
-        constraints: read Constraint where |v| v.constrained, reference: read f64,
+        derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
+        image: seldom i32, kind: read u32 where |v| v.constrained,
+        constraints: read Constraint where |v| v.constrained, reference: amend u64,
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad,
     }
     /// See `kernels/contact.cl`.
-    contact as Contact(128, 4) {
+    contact as Contact(128, 3) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
         kind: read u32 where |v| !v.one_pair || v.ledger && v.constrained, rank: read u32 where |v| v.ledger,
@@ -340,14 +354,14 @@ kernels! {
         constraints: read Constraint where |v| v.ledger && v.constrained,
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad,
-        kick_by_half: read Quad, twist_by_half: read Quad, accounts: update f64,
+        kick_by_half: read Quad, twist_by_half: read Quad, accounts: update Quad,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {
         step: value Step, status: shared u32,
         place: update Quad where |v| v.gear, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
-        derivatives: update f64, kind: read u32 where |v| v.constrained,
-        constraints: read Constraint where |v| v.constrained,
+        derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
+        kind: read u32 where |v| v.constrained, constraints: read Constraint where |v| v.constrained,
     }
     /// See `kernels/fused.cl`.
     fused as Fused(128, 4) {
@@ -356,7 +370,7 @@ kernels! {
         next_place: write Quad, next_motion: write Quad, next_spin: write Quad,
         image: seldom i32, kind: read u32 where |v| v.constrained || !v.one_pair,
         interactions: read Pair where |v| !v.one_pair, constraints: read Constraint where |v| v.constrained,
-        reference: read f64,
+        reference: amend u64,
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
     }
@@ -397,12 +411,8 @@ kernels! {
     /// See `kernels/search.cl`.
     take_images as TakeImages(128, 4) { particles: value u32, order: read u32, from: read i32, to: write i32 }
     /// See `kernels/search.cl`.
-    take_reals as TakeReals(128, 4) {
-        particles: value u32, planes: value u32, order: read u32, from: read f64, to: write f64,
-    }
-    /// See `kernels/search.cl`.
     rows_count as RowsCount(128, 4) {
-        search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
+        search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32, order: seldom u32,
         walls: read Wall, wall_place: read Quad, slice_length: write u32, known_low: write u32, known_high: write u32,
     }
     /// See `kernels/search.cl`.
@@ -411,7 +421,7 @@ kernels! {
         known_low: read u32, known_high: read u32, walls: read Wall, wall_place: read Quad,
         order: read u32, starts: read u32 where |v| v.friction(), partners: read u32 where |v| v.friction(),
         remembered: read f64 where |v| v.friction(), slice: read u32, other: write u32,
-        displacement: touching_write f64, reference: write f64, wall_reference: write Quad,
+        displacement: touching_write f64, reference: write u64, wall_reference: write Quad,
     }
 }
 

@@ -12,10 +12,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Device memory for `len` values of one type.
 pub(crate) struct Buffer<T, M> {
-    memory: M,
+    memory: Arc<M>,
     len: usize,
     /// How many of them mean something; there may be room for more.
     used: usize,
+    /// Whether it stands in the memory of another buffer.
+    lodges: bool,
     /// Bytes of all buffers of the queue together.
     total: Arc<AtomicUsize>,
     element: PhantomData<fn() -> T>,
@@ -41,9 +43,26 @@ impl<T, M> Buffer<T, M> {
     }
 }
 
+impl<T: InC, M> Buffer<T, M> {
+    /// The memory as room for `len` values of another type, while nobody needs what this buffer holds.
+    pub(super) fn room<U: InC>(&self, len: usize) -> Buffer<U, M> {
+        assert!(len * size_of::<U>() <= self.bytes(), "there is room");
+        Buffer {
+            memory: Arc::clone(&self.memory),
+            len,
+            used: len,
+            lodges: true,
+            total: Arc::clone(&self.total),
+            element: PhantomData,
+        }
+    }
+}
+
 impl<T, M> Drop for Buffer<T, M> {
     fn drop(&mut self) {
-        self.total.fetch_sub(self.bytes(), Ordering::Relaxed);
+        if !self.lodges {
+            self.total.fetch_sub(self.bytes(), Ordering::Relaxed);
+        }
     }
 }
 
@@ -80,7 +99,8 @@ impl<R: Runtime> Queue<R> {
     pub(crate) fn buffer<T: InC>(&self, len: usize) -> Result<Buffer<T, R::Memory>, Error> {
         let memory = self.runtime.allocate((len * size_of::<T>()).max(1))?;
         self.total.fetch_add(len * size_of::<T>(), Ordering::Relaxed);
-        Ok(Buffer { memory, len, used: len, total: Arc::clone(&self.total), element: PhantomData })
+        let memory = Arc::new(memory);
+        Ok(Buffer { memory, len, used: len, lodges: false, total: Arc::clone(&self.total), element: PhantomData })
     }
     /// A buffer that holds `values`.
     pub(crate) fn buffer_of<T: InC>(&self, values: &[T]) -> Result<Buffer<T, R::Memory>, Error> {

@@ -9,7 +9,8 @@ use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
 use super::search::{Histories, Rows, Scratch};
-use crate::{Fault, Plan, State};
+use crate::cpu::Quad;
+use crate::{Fault, Integrator, Plan, State};
 use std::collections::VecDeque;
 use tdem_physics::contact::Friction;
 
@@ -81,7 +82,7 @@ impl<R: Runtime> Gpu<R> {
             constants: Constants::new(&queue, plan)?,
             rows: Rows::new(&queue, n, plan.walls.len())?,
             histories: Histories::of_state(&queue, &state, friction)?,
-            scratch: Scratch::new(&queue, &fields)?,
+            scratch: Scratch::new(&queue, n)?,
             fields,
             status: queue.zeros(STATUS)?,
             step_record: step_record(plan, &state),
@@ -202,6 +203,7 @@ impl<R: Runtime> Gpu<R> {
     fn launch_predict(&mut self, corrects: bool) -> Result<(), Error> {
         let step = Step { corrects: corrects.into(), ..self.next_step() };
         let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        let [derivatives_x, derivatives_y, derivatives_z] = &fields.derivatives;
         self.queue.run(
             &Predict {
                 step,
@@ -211,7 +213,9 @@ impl<R: Runtime> Gpu<R> {
                 spin: &half.spin,
                 force: &free.place,
                 moment: &free.spin,
-                derivatives: &fields.derivatives,
+                derivatives_x,
+                derivatives_y,
+                derivatives_z,
                 image: &fields.image,
                 kind: &fields.kind,
                 constraints: &self.constants.constraints,
@@ -267,6 +271,7 @@ impl<R: Runtime> Gpu<R> {
     fn launch_correct(&mut self) -> Result<(), Error> {
         let step = self.next_step();
         let (half, free, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        let [derivatives_x, derivatives_y, derivatives_z] = &fields.derivatives;
         self.queue.run(
             &Correct {
                 step,
@@ -276,7 +281,9 @@ impl<R: Runtime> Gpu<R> {
                 spin: &half.spin,
                 force: &free.place,
                 moment: &free.spin,
-                derivatives: &fields.derivatives,
+                derivatives_x,
+                derivatives_y,
+                derivatives_z,
                 kind: &fields.kind,
                 constraints: &self.constants.constraints,
             },
@@ -285,16 +292,17 @@ impl<R: Runtime> Gpu<R> {
     }
 
     fn launch_fused(&mut self) -> Result<(), Error> {
-        let step = self.next_step();
-        self.queue.run(&self.fused_call(step), step.items as usize)?;
+        let items = self.next_step().items as usize;
+        self.queue.run(&self.fused_call(), items)?;
         self.now = 1 - self.now;
         Ok(())
     }
 
-    pub(super) fn fused_call(&self, step: Step) -> Fused<'_, R::Memory> {
+    /// From the present prediction to the next.
+    pub(super) fn fused_call(&self) -> Fused<'_, R::Memory> {
         let (half, next, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
         Fused {
-            step,
+            step: self.step_record,
             status: &self.status,
             place: &half.place,
             motion: &half.motion,
@@ -330,7 +338,7 @@ impl<R: Runtime> Gpu<R> {
         let status = self.status()?;
         self.step_record.parity = 0;
         self.fault_in(status, 0, 0)?;
-        if self.fields.derivatives.len() > 0 {
+        if self.plan.integrator == Integrator::Gear {
             self.start_derivatives()?;
         }
         Ok(())
@@ -344,8 +352,11 @@ impl<R: Runtime> Gpu<R> {
         let half_square = 0.5 * self.plan.dt * self.plan.dt;
         let second = force.iter().zip(&motion).map(|(f, m)| f.vector() * (half_square / m.scalar()));
         let second: Vec<[f64; 3]> = second.map(Into::into).collect();
-        let planes: Vec<f64> = (0..3).flat_map(|k| second.iter().map(move |v| v[k])).collect();
-        self.queue.upload(&self.fields.derivatives, &planes)
+        for (k, derivatives) in self.fields.derivatives.iter().enumerate() {
+            let of_coordinate: Vec<Quad> = second.iter().map(|v| Quad([v[k], 0.0, 0.0, 0.0])).collect();
+            self.queue.upload(derivatives, &of_coordinate)?;
+        }
+        Ok(())
     }
 
     /// The fault that the flags tell of, after so many of the steps of a call.

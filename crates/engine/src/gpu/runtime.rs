@@ -6,7 +6,7 @@ use thiserror::Error;
 /// method says so.
 pub(crate) trait Runtime: Send + Sized + 'static {
     /// Memory of the device; freed when dropped.
-    type Memory: Send;
+    type Memory: Send + Sync;
     /// A compiled kernel.
     type Kernel: Send;
     /// A transfer to the host that is under way.

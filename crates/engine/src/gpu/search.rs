@@ -1,9 +1,8 @@
 //! Stage `search`: the host's part of a new list on the device.
 
-use super::bodies::Fields;
 use super::layout::{
     Bounds, Box3, Cells, HistoryCount, HistoryWrite, InC, Level, OrderCells, OrderRanks, RowsCount, RowsFill, ScanAdd,
-    ScanBlocks, ScanSums, Search, TakeImages, TakeQuads, TakeReals, TakeWords, Vector,
+    ScanBlocks, ScanSums, Search, TakeImages, TakeQuads, TakeWords, Vector,
 };
 use super::memory::{Buffer, Queue};
 use super::run::Gpu;
@@ -20,6 +19,8 @@ const BOUNDS_GROUPS: usize = 256;
 /// Rows of cells side by side in a strip. Strips beat bricks of 2 to 8 cells by 3 to 12 % on an H100: in a strip the
 /// neighbours of particles side by side stand side by side, and are read as one.
 const STRIP: u32 = 16;
+/// Particles hardly move from one step to the next: where every step searches, they keep their order for so many.
+const REORDER_EVERY: u64 = 32;
 
 /// The neighbour list: rows in slices, see `kernels/particle.cl`.
 pub(super) struct Rows<M> {
@@ -28,8 +29,8 @@ pub(super) struct Rows<M> {
     pub(super) other: Buffer<u32, M>,
     /// Empty without friction.
     pub(super) displacement: Buffer<f64, M>,
-    /// Positions when the list was made, 3 planes.
-    pub(super) reference: Buffer<f64, M>,
+    /// Positions when the list was made, in ticks.
+    pub(super) reference: Buffer<u64, M>,
     pub(super) wall_reference: Buffer<Quad, M>,
 }
 
@@ -42,12 +43,8 @@ pub(super) struct Histories<M> {
     pub(super) remembered: Buffer<f64, M>,
 }
 
-/// Room for a search.
+/// Room for a search, beside the free half.
 pub(super) struct Scratch<M> {
-    /// Then half of the bits that say which candidates are neighbours.
-    cell_of: Buffer<u32, M>,
-    /// Then the other half.
-    place_in_cell: Buffer<u32, M>,
     order: Buffer<u32, M>,
     cell_start: Buffer<u32, M>,
     sums: Buffer<u32, M>,
@@ -57,11 +54,6 @@ pub(super) struct Scratch<M> {
     levels: Buffer<Level, M>,
     /// What is in `levels`.
     known_levels: Vec<Level>,
-    /// Where a field is put in order before it takes the old one's place; as large.
-    spare_reals: Buffer<f64, M>,
-    spare_accounts: Buffer<f64, M>,
-    spare_images: Buffer<i32, M>,
-    spare_quads: Buffer<Quad, M>,
 }
 
 impl<M> Rows<M> {
@@ -70,7 +62,7 @@ impl<M> Rows<M> {
             slice: queue.zeros(n.div_ceil(SLICE) + 1)?,
             other: queue.buffer(0)?,
             displacement: queue.buffer(0)?,
-            reference: queue.buffer(3 * n)?,
+            reference: queue.buffer(n)?,
             wall_reference: queue.buffer(walls)?,
         })
     }
@@ -108,11 +100,8 @@ impl<M> Histories<M> {
 }
 
 impl<M> Scratch<M> {
-    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, fields: &Fields<M>) -> Result<Self, Error> {
-        let n = fields.rank.len();
+    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, n: usize) -> Result<Self, Error> {
         Ok(Scratch {
-            cell_of: queue.buffer(n)?,
-            place_in_cell: queue.buffer(n)?,
             order: queue.buffer(n)?,
             cell_start: queue.buffer(0)?,
             sums: queue.buffer(0)?,
@@ -120,10 +109,6 @@ impl<M> Scratch<M> {
             corners: queue.buffer(2 * BOUNDS_GROUPS)?,
             levels: queue.buffer(32)?,
             known_levels: Vec::new(),
-            spare_reals: queue.buffer(fields.derivatives.len())?,
-            spare_accounts: queue.buffer(fields.accounts.len())?,
-            spare_images: queue.buffer(fields.image.len())?,
-            spare_quads: queue.buffer(fields.kick_by_half.len())?,
         })
     }
 }
@@ -164,12 +149,15 @@ impl<R: Runtime> Gpu<R> {
                 return Err(Fault::BoxTooSmall { length, reach });
             }
         }
+        let reordered = self.searches.is_multiple_of(if self.plan.search.every_step { REORDER_EVERY } else { 1 });
         self.searches += 1;
         let (levels, cells) = self.levels(skin)?;
         let wraps = self.plan.domain.periodic.iter().enumerate().fold(0, |bits, (k, &p)| bits | u32::from(p) << k);
         let search = Search {
             skin,
             largest: self.largest,
+            origin: self.step_record.domain_min,
+            ticks_per_metre: self.step_record.ticks_per_metre,
             period: Box3::from(&self.plan.domain.period()),
             particles: n as u32,
             walls: self.plan.walls.len() as u32,
@@ -177,6 +165,8 @@ impl<R: Runtime> Gpu<R> {
             levels: levels.len() as u32,
             wraps,
             histories: histories.into(),
+            reordered: reordered.into(),
+            padding: 0,
         };
         let (queue, scratch) = (&self.queue, &mut self.scratch);
         if scratch.known_levels != levels {
@@ -186,14 +176,16 @@ impl<R: Runtime> Gpu<R> {
         }
         reserve(queue, &mut scratch.cell_start, cells + 1, cells / 4)?;
         queue.clear(&scratch.cell_start, cells + 1)?;
+        let free = &self.halves[1 - self.now];
+        let (cell_of, place_in_cell) = (&free.place.room(n), &free.motion.room(n));
         queue.run(
             &Cells {
                 search,
                 levels: &scratch.levels,
                 place: &self.halves[self.now].place,
                 cell_count: &scratch.cell_start,
-                cell_of: &scratch.cell_of,
-                place_in_cell: &scratch.place_in_cell,
+                cell_of,
+                place_in_cell,
             },
             n,
         )?;
@@ -202,8 +194,8 @@ impl<R: Runtime> Gpu<R> {
             &OrderCells {
                 particles: n as u32,
                 cell_start: &scratch.cell_start,
-                cell_of: &scratch.cell_of,
-                place_in_cell: &scratch.place_in_cell,
+                cell_of,
+                place_in_cell,
                 order: &scratch.order,
             },
             n,
@@ -217,7 +209,9 @@ impl<R: Runtime> Gpu<R> {
             },
             cells,
         )?;
-        self.reorder()?;
+        if reordered {
+            self.reorder()?;
+        }
         self.fill_rows(search)
     }
 
@@ -225,7 +219,9 @@ impl<R: Runtime> Gpu<R> {
     fn fill_rows(&mut self, search: Search) -> Result<(), Fault> {
         let n = self.particles;
         let slices = n.div_ceil(SLICE);
-        let (queue, scratch, rows, half) = (&self.queue, &mut self.scratch, &mut self.rows, &self.halves[self.now]);
+        let (queue, scratch, rows) = (&self.queue, &mut self.scratch, &mut self.rows);
+        let (half, free) = (&self.halves[self.now], &self.halves[1 - self.now]);
+        let (known_low, known_high) = (&free.place.room(n), &free.motion.room(n));
         queue.run(
             &RowsCount {
                 search,
@@ -233,11 +229,12 @@ impl<R: Runtime> Gpu<R> {
                 cell_start: &scratch.cell_start,
                 place: &half.place,
                 rank: &self.fields.rank,
+                order: &scratch.order,
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
                 slice_length: &rows.slice,
-                known_low: &scratch.cell_of,
-                known_high: &scratch.place_in_cell,
+                known_low,
+                known_high,
             },
             n,
         )?;
@@ -255,8 +252,8 @@ impl<R: Runtime> Gpu<R> {
                 cell_start: &scratch.cell_start,
                 place: &half.place,
                 rank: &self.fields.rank,
-                known_low: &scratch.cell_of,
-                known_high: &scratch.place_in_cell,
+                known_low,
+                known_high,
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
                 order: &scratch.order,
@@ -384,33 +381,24 @@ impl<R: Runtime> Gpu<R> {
         }
         queue.copy(&from.wall_place, &to.wall_place)?;
         self.now = 1 - self.now;
-        let fields = &mut self.fields;
-        // A field is gathered into room that then takes its place.
-        for field in [&mut fields.rank, &mut fields.kind] {
-            let to = &mut self.scratch.cell_of;
+        // What these halves held is elsewhere now: the free one is room in which a field is put in order.
+        let (fields, free) = (&mut self.fields, &mut self.halves[1 - self.now]);
+        let room = &mut free.motion;
+        for field in [&fields.rank, &fields.kind] {
+            let to = &room.room(n);
             queue.run(&TakeWords { particles, order, from: field, to }, n)?;
-            std::mem::swap(field, to);
-        }
-        if fields.derivatives.len() > 0 {
-            let to = &mut self.scratch.spare_reals;
-            queue.run(&TakeReals { particles, planes: 12, order, from: &fields.derivatives, to }, n)?;
-            std::mem::swap(&mut fields.derivatives, to);
-        }
-        if fields.accounts.len() > 0 {
-            let to = &mut self.scratch.spare_accounts;
-            queue.run(&TakeReals { particles, planes: 4, order, from: &fields.accounts, to }, n)?;
-            std::mem::swap(&mut fields.accounts, to);
+            queue.copy(to, field)?;
         }
         if fields.image.len() > 0 {
-            let to = &mut self.scratch.spare_images;
+            let to = &room.room(3 * n);
             queue.run(&TakeImages { particles, order, from: &fields.image, to }, n)?;
-            std::mem::swap(&mut fields.image, to);
+            queue.copy(to, &fields.image)?;
         }
-        for field in [&mut fields.kick_by_half, &mut fields.twist_by_half] {
+        let [x, y, z] = &mut fields.derivatives;
+        for field in [x, y, z, &mut fields.accounts, &mut fields.kick_by_half, &mut fields.twist_by_half] {
             if field.len() > 0 {
-                let to = &mut self.scratch.spare_quads;
-                queue.run(&TakeQuads { particles, order, from: field, to }, n)?;
-                std::mem::swap(field, to);
+                queue.run(&TakeQuads { particles, order, from: field, to: room }, n)?;
+                std::mem::swap(field, room);
             }
         }
         Ok(())

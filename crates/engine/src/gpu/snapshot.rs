@@ -21,8 +21,8 @@ struct Snapshot<R: Runtime> {
     moment: Arriving<Quad, R>,
     wall_place: Arriving<Quad, R>,
     image: Arriving<i32, R>,
-    derivatives: Arriving<f64, R>,
-    accounts: Arriving<f64, R>,
+    derivatives: [Arriving<Quad, R>; 3],
+    accounts: Arriving<Quad, R>,
     starts: Arriving<u32, R>,
     partners: Arriving<u32, R>,
     remembered: Arriving<f64, R>,
@@ -34,6 +34,7 @@ impl<R: Runtime> Gpu<R> {
         let entries = if self.particles == 0 { 0 } else { self.put_histories_aside()? };
         let (queue, half, free, fields) =
             (&self.queue, &self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        let [dx, dy, dz] = &fields.derivatives;
         let all = usize::MAX;
         let snapshot = Snapshot::<R> {
             step: self.step,
@@ -48,7 +49,7 @@ impl<R: Runtime> Gpu<R> {
             moment: queue.fetch(&free.spin, all)?,
             wall_place: queue.fetch(&half.wall_place, all)?,
             image: queue.fetch(&fields.image, all)?,
-            derivatives: queue.fetch(&fields.derivatives, all)?,
+            derivatives: [queue.fetch(dx, all)?, queue.fetch(dy, all)?, queue.fetch(dz, all)?],
             accounts: queue.fetch(&fields.accounts, all)?,
             starts: queue.fetch(&self.histories.starts, all)?,
             partners: queue.fetch(&self.histories.partners, entries)?,
@@ -64,7 +65,9 @@ impl<R: Runtime> Snapshot<R> {
         let n = self.ids.len();
         let at = indices_by_rank(self.rank.view()?);
         let (place, motion, kind) = (self.place.view()?, self.motion.view()?, self.kind.view()?);
-        let (image, derivatives, accounts) = (self.image.view()?, self.derivatives.view()?, self.accounts.view()?);
+        let (image, accounts) = (self.image.view()?, self.accounts.view()?);
+        let [dx, dy, dz] = &mut self.derivatives;
+        let derivatives = [dx.view()?, dy.view()?, dz.view()?];
         let moments = self.spins.is_empty();
         let put_aside = PutAside {
             ids: &self.ids,
@@ -92,16 +95,12 @@ impl<R: Runtime> Snapshot<R> {
             angular_velocity: if moments { vectors(&at, self.spin.view()?) } else { self.spins },
             force: vectors(&at, self.force.view()?),
             moment: if moments { vectors(&at, self.moment.view()?) } else { vec![[0.0; 3]; n] },
-            derivatives: if derivatives.is_empty() {
+            derivatives: if derivatives[0].is_empty() {
                 Vec::new()
             } else {
-                gather(&at, |i| std::array::from_fn(|d| std::array::from_fn(|k| derivatives[(3 * d + k) * n + i])))
+                gather(&at, |i| std::array::from_fn(|d| derivatives.map(|of_coordinate| of_coordinate[i].0[d])))
             },
-            accounts: if accounts.is_empty() {
-                Vec::new()
-            } else {
-                gather(&at, |i| std::array::from_fn(|c| accounts[c * n + i]))
-            },
+            accounts: if accounts.is_empty() { Vec::new() } else { gather(&at, |i| accounts[i].0) },
             wall_position: self.wall_place.view()?.iter().map(|p| p.vector().into()).collect(),
             contacts,
             wall_contacts,

@@ -8,29 +8,45 @@ typedef struct {
 #endif
 } Body;
 
-DEVICE Body body_at(const Step step, const u32 i, const Quad place, const Quad motion, const Quad spin,
-                    GLOBAL const real *derivatives)
+// The derivatives of one coordinate stand together.
+#if GEAR
+#define DERIVATIVES  derivatives_x, derivatives_y, derivatives_z
+
+DEVICE void derivatives_at(Body *body, const Quad x, const Quad y, const Quad z)
+{
+    Vec3 *d = body->derivatives;
+    d[0].x = x.x; d[1].x = x.y; d[2].x = x.z; d[3].x = x.w;
+    d[0].y = y.x; d[1].y = y.y; d[2].y = y.z; d[3].y = y.w;
+    d[0].z = z.x; d[1].z = z.y; d[2].z = z.z; d[3].z = z.w;
+}
+#else
+#define DERIVATIVES  0, 0, 0
+#endif
+
+DEVICE Body body_at(const u32 i, const Quad place, const Quad motion, const Quad spin, GLOBAL const Quad *derivatives_x,
+                    GLOBAL const Quad *derivatives_y, GLOBAL const Quad *derivatives_z)
 {
     Body body;
     body.sphere = sphere(place, motion, spin);
 #if GEAR
-    for (u32 d = 0; d < 4u; ++d)
-        body.derivatives[d] = planes_at(step, derivatives, 3u * d, i);
+    derivatives_at(&body, derivatives_x[i], derivatives_y[i], derivatives_z[i]);
 #endif
     return body;
 }
 
 // Everything but the place, which is still looked at.
-DEVICE void keep_motion(const Step step, const u32 i, const Body body, GLOBAL Quad *motion, GLOBAL Quad *spin,
-                        GLOBAL real *derivatives)
+DEVICE void keep_motion(const u32 i, const Body body, GLOBAL Quad *motion, GLOBAL Quad *spin, GLOBAL Quad *derivatives_x,
+                        GLOBAL Quad *derivatives_y, GLOBAL Quad *derivatives_z)
 {
     motion[i] = quad(body.sphere.velocity, body.sphere.mass);
 #if MOMENTS
     spin[i] = quad(body.sphere.angular_velocity, 0.0);
 #endif
 #if GEAR
-    for (u32 d = 0; d < 4u; ++d)
-        set_planes(step, derivatives, 3u * d, i, body.derivatives[d]);
+    const Vec3 *d = body.derivatives;
+    derivatives_x[i] = QUAD(d[0].x, d[1].x, d[2].x, d[3].x);
+    derivatives_y[i] = QUAD(d[0].y, d[1].y, d[2].y, d[3].y);
+    derivatives_z[i] = QUAD(d[0].z, d[1].z, d[2].z, d[3].z);
 #endif
 }
 

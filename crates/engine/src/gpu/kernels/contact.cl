@@ -25,7 +25,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                         GLOBAL const Wall *RESTRICT walls, GLOBAL const Quad *RESTRICT wall_place,
 #if LEDGER
                         GLOBAL const Quad *RESTRICT kick_by_half, GLOBAL const Quad *RESTRICT twist_by_half,
-                        GLOBAL const u32 *RESTRICT rank, real *account,
+                        GLOBAL const u32 *RESTRICT rank, Quad *account,
 #endif
                         Vec3 *force, Vec3 *moment)
 {
@@ -130,9 +130,9 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
         }
     }
 #if LEDGER
-    account[0] += friction;
-    account[1] += damping;
-    account[2] += stiffening - released;
+    account->x += friction;
+    account->y += damping;
+    account->z += stiffening - released;
 #endif
     for (; k < end; ++k) {
         const u32 entry = other[SLOT(k, i)];
@@ -172,10 +172,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             if (!(entry & TOUCHING))
                 other[SLOT(k, i)] = j | TOUCHING;
 #if LEDGER
-            account[0] += response.losses.friction;
-            account[1] += response.losses.damping;
-            account[2] += response.losses.stiffening;
-            account[3] += inner(response.force, wall.velocity) * step.history_dt;
+            account->x += response.losses.friction;
+            account->y += response.losses.damping;
+            account->z += response.losses.stiffening;
+            account->w += inner(response.force, wall.velocity) * step.history_dt;
 #endif
         } else if (entry & TOUCHING) {
             other[SLOT(k, i)] = j;
@@ -183,7 +183,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             real energy;
             released_by_wall(body, touch, wall.normal, wall.velocity, displacement_at(displacement, k, i),
                              INTERACTION(material, wall.material), step.history_dt, &energy);
-            account[2] -= energy;
+            account->z -= energy;
 #endif
         }
     }
@@ -213,14 +213,12 @@ kernel contact
 #endif
             Vec3 f, m;
 #if LEDGER
-            real account[4];
-            for (u32 c = 0; c < 4u; ++c)
-                account[c] = accounts[PLANE(c, i)];
+            Quad account = accounts[i];
 #endif
             const u32 wrong = sum_contacts(step, i, body, MATERIAL_OF(kind[i]), place, motion, spin, kind, interactions,
                                            slice, other, displacement, walls, wall_place,
 #if LEDGER
-                                           kick_by_half, twist_by_half, rank, account,
+                                           kick_by_half, twist_by_half, rank, &account,
 #endif
                                            &f, &m);
             if (wrong)
@@ -229,15 +227,14 @@ kernel contact
 #if CONSTRAINED
             if (CONSTRAINT_OF(kind[i])) {
                 const Constraint held = constraints[CONSTRAINT_OF(kind[i])];
-                account[3] -= power(f, held.velocity, held.components) * step.history_dt;
+                account.w -= power(f, held.velocity, held.components) * step.history_dt;
 #if MOMENTS
-                account[3] -= power(m, held.angular_velocity, held.components >> 3) * step.history_dt;
+                account.w -= power(m, held.angular_velocity, held.components >> 3) * step.history_dt;
 #endif
             }
 #endif
             if (!step.frozen)
-                for (u32 c = 0; c < 4u; ++c)
-                    accounts[PLANE(c, i)] = account[c];
+                accounts[i] = account;
 #endif
             force[i] = quad(f, 0.0);
 #if MOMENTS

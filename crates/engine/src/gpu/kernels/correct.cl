@@ -32,12 +32,12 @@ kernel correct
     const u32 flags = halted(step, status);
     if (!flags) {
         FOR_EACH(i, step.particles) {
-            Body body = body_at(step, i, place[i], motion[i], SPIN(i), derivatives);
+            Body body = body_at(i, place[i], motion[i], SPIN(i), DERIVATIVES);
             correct_body(step, &body, vector(force[i]), MOMENT(i), HELD(kind[i]));
 #if GEAR
             place[i] = quad(body.sphere.position, body.sphere.radius);
 #endif
-            keep_motion(step, i, body, motion, spin, derivatives);
+            keep_motion(i, body, motion, spin, DERIVATIVES);
         }
     }
     hand_on(step, status, flags, 0u);

@@ -13,7 +13,7 @@ kernel fused
 #else
                 const Quad w = QUAD(0.0, 0.0, 0.0, 0.0);
 #endif
-                Body body = body_at(step, i, x, v, w, 0);
+                Body body = body_at(i, x, v, w, DERIVATIVES);
 #if CONSTRAINED || !ONE_PAIR
                 const u32 mine = kind[i];
 #else
@@ -29,7 +29,7 @@ kernel fused
                 if (wrong)
                     raise_flags(step, status, wrong);
                 next_place[i] = quad(body.sphere.position, x.w);
-                keep_motion(step, i, body, next_motion, next_spin, 0);
+                keep_motion(i, body, next_motion, next_spin, DERIVATIVES);
             }
             if (i < step.walls)
                 move_wall(step, i, walls, wall_place, next_wall_place, wall_reference, status);

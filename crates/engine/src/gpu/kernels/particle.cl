@@ -64,23 +64,29 @@ DEVICE void will_read_displacement(GLOBAL const real *RESTRICT displacement, con
     WILL_READ(displacement + DISPLACEMENT(k, 2, i));
 }
 
-// Fields of several numbers per particle stand in planes of one number each.
-#define PLANE(c, i)  ((size_t)(c) * step.particles + (i))
+// Where a particle was when its list was made: its coordinates in ticks, each modulo 2^21, in one word. A list lasts while
+// ways are short, and of a short way the last bits tell all.
+#define TICK_BITS  21u
+#define TICK_MASK  0x1fffffu
 
-DEVICE Vec3 planes_at(const Step step, GLOBAL const real *RESTRICT field, const u32 first, const u32 i)
+DEVICE u64 ticks_of(const Vec3 x, const Vec3 origin, const real per_metre)
 {
-    Vec3 v;
-    v.x = field[PLANE(first, i)];
-    v.y = field[PLANE(first + 1, i)];
-    v.z = field[PLANE(first + 2, i)];
-    return v;
+    const u64 a = (u64)(i64)((x.x - origin.x) * per_metre) & TICK_MASK;
+    const u64 b = (u64)(i64)((x.y - origin.y) * per_metre) & TICK_MASK;
+    const u64 c = (u64)(i64)((x.z - origin.z) * per_metre) & TICK_MASK;
+    return a | b << TICK_BITS | c << 2u * TICK_BITS;
 }
 
-DEVICE void set_planes(const Step step, GLOBAL real *RESTRICT field, const u32 first, const u32 i, const Vec3 v)
+// The squared way from one to the other, in ticks, short of 2^20 along each direction.
+DEVICE u64 squared_ticks(const u64 from, const u64 to)
 {
-    field[PLANE(first, i)] = v.x;
-    field[PLANE(first + 1, i)] = v.y;
-    field[PLANE(first + 2, i)] = v.z;
+    u64 sum = 0;
+    for (u32 k = 0; k < 3u; ++k) {
+        const u32 turned = ((u32)(to >> k * TICK_BITS) - (u32)(from >> k * TICK_BITS)) << (32u - TICK_BITS);
+        const i64 way = (i32)turned >> (32u - TICK_BITS);
+        sum += (u64)(way * way);
+    }
+    return sum;
 }
 
 // The status of the run. A kernel reads the flags that the one before it left and raises its own for the next; while any

@@ -29,34 +29,40 @@ DEVICE void predict_body(const Step step, Body *body, const Vec3 force, const Ve
 #endif
 }
 
+#if PERIODIC
+// Brings one coordinate back in. How far round is counted, and the reference goes along.
+DEVICE void bring_back(const Step step, const u32 k, const u32 i, const real length, const real low, const real high,
+                       real *x, GLOBAL i32 *RESTRICT image, GLOBAL u64 *RESTRICT reference)
+{
+    if (length > 0.0 && (*x >= high || *x < low)) {
+        const i32 round = *x >= high ? 1 : -1;
+        *x -= (real)round * length;
+        image[(size_t)k * step.particles + i] += round;
+        const u64 mask = (u64)TICK_MASK << k * TICK_BITS;
+        const u64 turn = (u64)(i64)(length * step.ticks_per_metre + 0.5) << k * TICK_BITS;
+        const u64 ticks = reference[i];
+        reference[i] = (ticks & ~mask) | ((round > 0 ? ticks - turn : ticks + turn) & mask);
+    }
+}
+#endif
+
 // Brings a centre that left through a face that repeats back in, and says what is wrong with it and with the list.
 DEVICE u32 judge(const Step step, const u32 i, Vec3 *position, GLOBAL i32 *RESTRICT image,
-                 GLOBAL const real *RESTRICT reference)
+                 GLOBAL u64 *RESTRICT reference)
 {
-    Vec3 x = *position;
 #if PERIODIC
-    const Vec3 length = step.period.length;
-    if (length.x > 0.0) {
-        if (x.x >= step.domain_max.x) { x.x -= length.x; image[PLANE(0, i)] += 1; }
-        else if (x.x < step.domain_min.x) { x.x += length.x; image[PLANE(0, i)] -= 1; }
-    }
-    if (length.y > 0.0) {
-        if (x.y >= step.domain_max.y) { x.y -= length.y; image[PLANE(1, i)] += 1; }
-        else if (x.y < step.domain_min.y) { x.y += length.y; image[PLANE(1, i)] -= 1; }
-    }
-    if (length.z > 0.0) {
-        if (x.z >= step.domain_max.z) { x.z -= length.z; image[PLANE(2, i)] += 1; }
-        else if (x.z < step.domain_min.z) { x.z += length.z; image[PLANE(2, i)] -= 1; }
-    }
-    *position = x;
+    const Vec3 length = step.period.length, low = step.domain_min, high = step.domain_max;
+    bring_back(step, 0, i, length.x, low.x, high.x, &position->x, image, reference);
+    bring_back(step, 1, i, length.y, low.y, high.y, &position->y, image, reference);
+    bring_back(step, 2, i, length.z, low.z, high.z, &position->z, image, reference);
 #endif
+    const Vec3 x = *position;
     u32 flags = 0;
     const int inside = x.x >= step.domain_min.x && x.x <= step.domain_max.x && x.y >= step.domain_min.y
                     && x.y <= step.domain_max.y && x.z >= step.domain_min.z && x.z <= step.domain_max.z;
     if (!inside)
         flags |= ASTRAY;
-    const Vec3 way = offset_between(step, planes_at(step, reference, 0, i), x);
-    if (inner(way, way) > step.half_skin_squared)
+    if (squared_ticks(reference[i], ticks_of(x, step.domain_min, step.ticks_per_metre)) >= step.ticks_allowed)
         flags |= LIST_DUE;
     return flags;
 }
@@ -92,7 +98,7 @@ kernel predict
     if (!flags) {
         FOR_EACH(i, step.items) {
             if (i < step.particles) {
-                Body body = body_at(step, i, place[i], motion[i], SPIN(i), derivatives);
+                Body body = body_at(i, place[i], motion[i], SPIN(i), DERIVATIVES);
                 const Vec3 f = vector(force[i]), m = MOMENT(i);
                 const Constraint held = HELD(kind[i]);
                 // Between two steps nobody looks at the neighbours: the end of one and the start of the next are one.
@@ -111,7 +117,7 @@ kernel predict
                 if (wrong)
                     raise_flags(step, status, wrong);
                 place[i] = quad(body.sphere.position, body.sphere.radius);
-                keep_motion(step, i, body, motion, spin, derivatives);
+                keep_motion(i, body, motion, spin, DERIVATIVES);
             }
             if (i < step.walls)
                 move_wall(step, i, walls, wall_place, wall_place, wall_reference, status);

@@ -16,6 +16,7 @@ typedef double real;
 typedef unsigned int u32;
 typedef int i32;
 typedef unsigned long long u64;
+typedef long long i64;
 struct alignas(32) Quad { real x, y, z, w; };
 
 DEVICE Quad QUAD(real x, real y, real z, real w) {
@@ -70,6 +71,7 @@ typedef double real;
 typedef uint u32;
 typedef int i32;
 typedef ulong u64;
+typedef long i64;
 typedef double4 Quad;
 
 #define QUAD(x, y, z, w) ((Quad)((x), (y), (z), (w)))

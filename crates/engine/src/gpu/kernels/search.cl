@@ -128,15 +128,6 @@ kernel take_images
     }
 }
 
-kernel take_reals
-{
-    FOR_EACH(i, particles) {
-        const u32 source = order[i];
-        for (u32 c = 0; c < planes; ++c)
-            to[(size_t)c * particles + i] = from[(size_t)c * particles + source];
-    }
-}
-
 DEVICE int near(const Search search, const Quad a, const Quad b)
 {
     Vec3 offset = minus(vector(b), vector(a));
@@ -218,6 +209,11 @@ DEVICE u32 wrapped(const i32 cell, const u32 cells)
             }                                                                                                          \
     }
 
+// `order` says where particles stood before they were put in the order of cells, or, if they were left where they are,
+// which stands where in that order.
+#define CANDIDATE(at)  (search.reordered ? (at) : order[at])
+#define BEFORE(i)      (search.reordered ? order[i] : (i))
+
 // The length of each slice is that of its longest row. Which of the candidates are neighbours is noted, a bit for each,
 // and above the bits how many of them have a higher rank; a particle with more candidates than bits is looked at again
 // when rows are filled.
@@ -236,13 +232,15 @@ kernel rows_count
         u64 known = 0;
         u32 candidate = 0, higher = 0;
 #define COUNT(first, stop)                                                                                             \
-        for (u32 j = first, end = stop; j < end; ++j, ++candidate)                                                     \
+        for (u32 at = first, end = stop; at < end; ++at, ++candidate) {                                                \
+            const u32 j = CANDIDATE(at);                                                                               \
             if (j != i && near(search, x, LOAD(place, j))) {                                                           \
                 ++entries;                                                                                             \
                 higher += rank[j] > mine ? 1u : 0u;                                                                    \
                 if (candidate < CANDIDATES)                                                                            \
                     known |= (u64)1 << candidate;                                                                      \
-            }
+            }                                                                                                          \
+        }
         AROUND(COUNT)
         const u32 again = candidate > CANDIDATES;
         known_low[i] = again ? higher : (u32)known;
@@ -315,15 +313,17 @@ kernel rows_fill
         {                                                                                                              \
             const u32 from = first, length = stop - from;                                                              \
             if (again) {                                                                                               \
-                for (u32 j = from; j < from + length; ++j)                                                             \
+                for (u32 at = from; at < from + length; ++at) {                                                        \
+                    const u32 j = CANDIDATE(at);                                                                       \
                     if (j != i && near(search, x, LOAD(place, j)))                                                     \
                         INSERT(j)                                                                                      \
+                }                                                                                                      \
             } else if (length > 0u) {                                                                                  \
                 u64 bits = known >> candidate;                                                                         \
                 if (length < CANDIDATES)                                                                               \
                     bits &= ((u64)1 << length) - 1u;                                                                   \
                 for (; bits; bits &= bits - 1u) {                                                                      \
-                    const u32 j = from + LOWEST_BIT(bits);                                                             \
+                    const u32 j = CANDIDATE(from + LOWEST_BIT(bits));                                                  \
                     INSERT(j)                                                                                          \
                 }                                                                                                      \
                 candidate += length;                                                                                   \
@@ -338,7 +338,7 @@ kernel rows_fill
                 ++last;
             }
         // Mine stand in the order of my row; those of lower ranks are looked up at theirs, where they stood before.
-        const u32 before = order[i];
+        const u32 before = BEFORE(i);
         u32 at = search.histories ? starts[before] : 0u;
         const u32 stop = search.histories ? starts[before + 1u] : 0u;
         for (u32 k = start; search.histories && k < last; ++k) {
@@ -358,7 +358,7 @@ kernel rows_fill
                         }
             } else {
                 sign = -1.0;
-                const u32 there = order[j];
+                const u32 there = BEFORE(j);
                 for (u32 t = starts[there]; t < starts[there + 1u]; ++t)
                     if (partners[t] == mine) {
                         found = t;
@@ -378,8 +378,6 @@ kernel rows_fill
         }
         for (u32 k = last; k < end; ++k)
             other[SLOT(k, i)] = NOBODY;
-        reference[i] = x.x;
-        reference[(size_t)search.particles + i] = x.y;
-        reference[2u * (size_t)search.particles + i] = x.z;
+        reference[i] = ticks_of(vector(x), search.origin, search.ticks_per_metre);
     }
 }
