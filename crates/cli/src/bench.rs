@@ -2,7 +2,8 @@
 
 use crate::bench_case;
 use crate::console::{data, say};
-use crate::machine::{instructions, width};
+use crate::files;
+use crate::machine::{instructions, processor, width};
 use crate::render::{Report, Reports};
 use clap::{Args, Subcommand, ValueEnum};
 use std::fmt::Write;
@@ -22,7 +23,7 @@ pub(crate) struct Arguments {
 enum Benchmark {
     /// Contacts and motion of a block of touching spheres: particle-steps per second, bytes per particle
     Contact(Contact),
-    /// Whole steps of a case on any device
+    /// Whole steps of a case on any device, and where their time goes
     Case(bench_case::Arguments),
 }
 
@@ -97,6 +98,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let &[x, y, z] = &arguments.cells[..] else {
         return Err(Report::new("tdem::bench::cells", "--cells takes three numbers, such as 20,20,40").into());
     };
+    if let Some(path) = &arguments.json {
+        files::try_to_write(path)?;
+    }
     let mut rows = Vec::new();
     for &model in &arguments.model {
         for &threads in &arguments.threads {
@@ -120,9 +124,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     }
     data(table(&rows))?;
     if let Some(path) = &arguments.json {
-        std::fs::write(path, json(arguments, &rows)).map_err(|error| {
-            Report::new("tdem::bench::json", format!("cannot write the measurements: {error}: {}", path.display()))
-        })?;
+        files::write(path, json(arguments, &rows).as_bytes())?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -178,15 +180,4 @@ fn json(arguments: &Contact, rows: &[(Model, Measurement)]) -> String {
         "measurements": rows,
     });
     format!("{document:#}\n")
-}
-
-/// The processor's name, where the system tells it.
-fn processor() -> String {
-    std::fs::read_to_string("/proc/cpuinfo")
-        .ok()
-        .and_then(|text| {
-            let line = text.lines().find(|line| line.starts_with("model name"))?;
-            Some(line.split_once(':')?.1.trim().to_owned())
-        })
-        .unwrap_or_else(|| std::env::consts::ARCH.to_owned())
 }

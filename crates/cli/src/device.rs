@@ -54,12 +54,14 @@ pub(crate) fn word(api: Api) -> &'static str {
 pub(crate) struct Found {
     pub(crate) device: Device,
     pub(crate) name: String,
+    /// What its interface tells of it; nothing of the processor.
+    pub(crate) listing: Option<Listing>,
 }
 
 impl Choice {
     /// Finds the device; `options` are for the processor.
     pub(crate) fn find(self, options: cpu::Options) -> Result<Found, Reports> {
-        let processor = || Found { device: options.into(), name: processor(&options) };
+        let processor = || Found { device: options.into(), name: processor(&options), listing: None };
         match self {
             Choice::Cpu => Ok(processor()),
             Choice::Auto => {
@@ -94,6 +96,7 @@ fn found(listing: &Listing) -> Found {
     Found {
         device: Device::Gpu { api: listing.api, index: listing.index },
         name: format!("{} through {}", listing.name, listing.api),
+        listing: Some(listing.clone()),
     }
 }
 

@@ -3,12 +3,40 @@
 use crate::render::{Report, Reports};
 use crate::units::argument;
 use std::fs;
-use std::path::Path;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Where a file is written before it takes its name.
+fn unfinished(path: &Path) -> PathBuf {
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(".unfinished");
+    unfinished.into()
+}
+
+/// Whether something other than a file or a folder stands there, such as a terminal: it is written to as it is.
+fn is_stream(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+/// Finds out before long work whether a file can be written behind it. What stands there is not touched.
+pub(crate) fn try_to_write(path: &Path) -> Result<(), Reports> {
+    let tried = if path.is_dir() {
+        Err(ErrorKind::IsADirectory.into())
+    } else if is_stream(path) {
+        Ok(())
+    } else {
+        let unfinished = unfinished(path);
+        fs::write(&unfinished, []).and_then(|()| fs::remove_file(&unfinished))
+    };
+    tried.map_err(|error| refused(path, &error))
+}
 
 /// Writes a file whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Reports> {
-    let mut unfinished = path.as_os_str().to_owned();
-    unfinished.push(".unfinished");
+    if is_stream(path) {
+        return fs::write(path, bytes).map_err(|error| refused(path, &error));
+    }
+    let unfinished = unfinished(path);
     fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path)).map_err(|error| {
         // What cannot be written can often not be removed either; the first error is what must be told.
         let _ = fs::remove_file(&unfinished);

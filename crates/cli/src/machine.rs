@@ -76,3 +76,14 @@ pub(crate) fn instructions() -> &'static str {
     }
     "no vector instructions beyond the platform's own"
 }
+
+/// The processor's name, where the system tells it.
+pub(crate) fn processor() -> String {
+    std::fs::read_to_string("/proc/cpuinfo")
+        .ok()
+        .and_then(|text| {
+            let line = text.lines().find(|line| line.starts_with("model name"))?;
+            Some(line.split_once(':')?.1.trim().to_owned())
+        })
+        .unwrap_or_else(|| std::env::consts::ARCH.to_owned())
+}

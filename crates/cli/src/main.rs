@@ -2,6 +2,7 @@
 
 mod bench;
 mod bench_case;
+mod bench_stages;
 mod cases;
 mod check;
 mod command;

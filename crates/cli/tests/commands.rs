@@ -98,3 +98,41 @@ fn verify_judges() {
     assert!(said.out.contains('|') && said.err.contains("ok "), "{}\n{}", said.out, said.err);
     room.tdem(&["verify", "nonsense"]).exits(1).complains(&["tdem::verify::unknown-name", "--list"]);
 }
+
+#[test]
+fn bench_case_tells_where_the_time_goes() {
+    let room = Room::new();
+    let bench = ["bench", "case", "case.toml", "--threads", "1", "--paper", "--steps", "5", "--repeats", "1"];
+    let with_stages = ["--device", "cpu,opencl", "--profile", "6", "--kernels", "--json", "found.json"];
+    room.write("found.json", "older");
+    let said = room.tdem(&[&bench[..], &with_stages].concat()).exits(0);
+    for part in ["GNTM on CPU", "6 steps with stages apart", "% of copy", "gather", "rows_fill", "sum is", "GB/step"] {
+        assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
+    }
+    assert!(said.out.lines().all(|line| line.chars().count() < 160), "{}", said.out);
+    let found: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(room.path("found.json")).unwrap()).unwrap();
+    let rows = found["measurements"].as_array().unwrap();
+    let [processor, device] = &rows[..] else { panic!("two devices were asked for") };
+    assert_eq!(processor["hash"], device["hash"]);
+    assert!(processor["machine"]["processor"].is_string());
+    for key in ["interface", "name", "driver", "memory_bytes", "compute_units"] {
+        assert!(!device["machine"][key].is_null(), "{key}");
+    }
+    for row in rows {
+        let number = |key: &str| row[key].as_f64().filter(|&n| n > 0.0).expect(key);
+        let whole = 150.0 / number("best_particle_steps_per_second");
+        let expected = number("bytes_per_step") / whole / number("copy_bytes_per_second");
+        assert!((number("fraction_of_copy") / expected - 1.0).abs() < 1e-9);
+        let profile = &row["profile"];
+        assert_eq!(profile["searches"], 6);
+        let seconds = |part: &serde_json::Value| part["seconds"].as_f64().unwrap();
+        let stages: f64 = profile["stages"].as_array().unwrap().iter().map(seconds).sum();
+        let sum = profile["seconds_of_parts"].as_f64().unwrap();
+        assert!((stages / sum - 1.0).abs() < 1e-9 && stages > 0.0);
+    }
+    let plain = room.tdem(&[&bench[..], &["--device", "cpu", "--profile", "0"]].concat()).exits(0);
+    assert!(!plain.out.contains("stages apart"), "{}", plain.out);
+    let hash = processor["hash"].as_str().unwrap();
+    assert!(plain.out.contains(hash), "a profile changed the measurement:\n{}", plain.out);
+}

@@ -122,6 +122,28 @@ fn a_folder_that_cannot_be_written() {
     room.tdem(&["new", "file/case"]).exits(1).complains(&["tdem::cli::write"]);
 }
 
+#[test]
+fn measurements_that_could_not_be_written_are_not_made() {
+    let room = Room::new();
+    room.write("file", "not a folder");
+    std::fs::create_dir(room.path("folder")).unwrap();
+    for bench in [&["bench", "case", "case.toml", "--device", "cpu"][..], &["bench", "contact"]] {
+        for json in ["file/new.json", "nowhere/new.json", "folder"] {
+            let said = room.tdem(&[bench, &["--json", json]].concat()).exits(1);
+            assert_eq!(said.out, "");
+            assert!(!said.err.contains(" on "), "something was measured:\n{}", said.err);
+            said.complains(&["tdem::cli::write", json]);
+        }
+    }
+    // What stands there is safe until there is something to put in its place.
+    room.write("kept.json", "old measurements");
+    for arguments in [&["bench", "case", "nope.toml"][..], &["bench", "contact", "--cells", "1,2"]] {
+        room.tdem(&[arguments, &["--json", "kept.json"]].concat()).exits(1);
+    }
+    assert_eq!(std::fs::read_to_string(room.path("kept.json")).unwrap(), "old measurements");
+    assert!(!room.path("kept.json.unfinished").exists());
+}
+
 /// A step five times as large as stiff springs allow: damping by restitution has no proven limit, so that the case
 /// is warned of, and let go.
 fn exploding() -> String {

@@ -12,12 +12,13 @@ mod grid;
 mod neighbours;
 mod pieces;
 mod predict;
+mod profile;
 mod search;
 mod snapshot;
 mod wide;
 
 use crate::step::{Backend, Stages, step};
-use crate::{Capture, Fault, Plan, State};
+use crate::{Capture, Fault, Plan, Profile, State};
 pub(crate) use bodies::Quad;
 pub(crate) use grid::class_of;
 pub(crate) use neighbours::indices_by_rank;
@@ -183,6 +184,12 @@ impl Backend for Cpu {
     }
     fn bytes(&self) -> usize {
         self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])
+    }
+    fn profile(&mut self, steps: u64) -> Result<Profile, Fault> {
+        self.profile_all(steps)
+    }
+    fn copy_bandwidth(&self) -> Result<f64, Fault> {
+        self.copy_arrays()
     }
     fn searches(&self) -> u64 {
         self.searches

@@ -9,6 +9,7 @@ mod layout;
 mod memory;
 mod opencl;
 mod pool;
+mod profile;
 mod program;
 mod run;
 mod runtime;
@@ -17,6 +18,7 @@ mod self_test;
 mod snapshot;
 #[cfg(test)]
 mod tests;
+mod traffic;
 
 pub use devices::{Api, Listing, Survey, devices, survey};
 pub use runtime::Error;
@@ -25,7 +27,7 @@ pub use runtime::Error;
 const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");
 
 use crate::step::Backend;
-use crate::{Capture, Fault, Plan, State};
+use crate::{Capture, Fault, Plan, Profile, State};
 use run::Gpu;
 use runtime::Runtime;
 
@@ -63,6 +65,12 @@ impl<R: Runtime> Backend for Gpu<R> {
     }
     fn bytes(&self) -> usize {
         self.queue.bytes()
+    }
+    fn profile(&mut self, steps: u64) -> Result<Profile, Fault> {
+        self.profile_all(steps)
+    }
+    fn copy_bandwidth(&self) -> Result<f64, Fault> {
+        Ok(self.queue.copy_bandwidth()?)
     }
     fn searches(&self) -> u64 {
         self.searches

@@ -4,9 +4,10 @@
 //! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
 //! * [`Simulation`] a state advanced by a back end under a plan
 //! * [`Ledger`] where the energy is and where it went
+//! * [`Profile`] where the time of a step goes
 //! * [`Schedule`] when a run ends and when its state is wanted
 //!
-//! The engine does no input or output. One step is `step.rs`; its stages have the same names as the files of the
+//! The engine does no input or output, and no clock is looked at but for a [`Profile`]. One step is `step.rs`; its stages have the same names as the files of the
 //! back ends, [`cpu`] and [`gpu`].
 
 mod capture;
@@ -17,6 +18,7 @@ mod fault;
 pub mod gpu;
 mod ledger;
 mod plan;
+mod profile;
 mod schedule;
 mod simulation;
 mod state;
@@ -28,6 +30,7 @@ pub use evaluate::Evaluated;
 pub use fault::Fault;
 pub use ledger::Ledger;
 pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};
+pub use profile::{Part, Profile, STAGES};
 pub use schedule::Schedule;
 pub use simulation::Simulation;
 pub use state::{Contact, State, WallContact, energy_accounts};

@@ -1,7 +1,7 @@
 //! A state that advances.
 
 use crate::step::Backend;
-use crate::{Capture, Device, Fault, Ledger, Plan, State};
+use crate::{Capture, Device, Fault, Ledger, Plan, Profile, State};
 
 /// A state advanced by a back end under a plan.
 pub struct Simulation {
@@ -50,6 +50,27 @@ impl Simulation {
         self.backend.advance(steps)?;
         self.step += steps;
         Ok(())
+    }
+
+    /// Advances a number of steps, to the same bits as [`Self::advance`], and tells where their time went. A step that is
+    /// one kernel otherwise is taken with its stages apart. It is meant for some hundred steps: on a device every launch is
+    /// kept until the end.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn profile(&mut self, steps: u64) -> Result<Profile, Fault> {
+        let profile = self.backend.profile(steps)?;
+        self.step += steps;
+        Ok(profile)
+    }
+
+    /// How fast the device copies, bytes per second, read and written: the best of several copies of 256 MiB, or of as much
+    /// as fits beside the simulation. On the CPU its threads copy one piece each.
+    ///
+    /// # Errors
+    /// [`Fault::Device`] if the device fails, or has no room at all.
+    pub fn copy_bandwidth(&self) -> Result<f64, Fault> {
+        self.backend.copy_bandwidth()
     }
 
     /// The present moment; the simulation may go on before it is looked at.

@@ -1,6 +1,6 @@
 //! One step: the algorithm.
 
-use crate::{Capture, Fault};
+use crate::{Capture, Fault, Profile};
 
 /// The stages of a step. Stage names are file names: `cpu/predict.rs`, `gpu/kernels/predict.cl` and so on; on a device
 /// several may be one kernel.
@@ -41,6 +41,10 @@ pub(crate) trait Backend: Send {
     fn capture(&mut self) -> Result<Capture, Fault>;
     /// Bytes held for the run, all arrays together.
     fn bytes(&self) -> usize;
+    /// As [`Self::advance`], with a clock around each stage.
+    fn profile(&mut self, steps: u64) -> Result<Profile, Fault>;
+    /// How fast it copies large arrays, bytes per second, read and written.
+    fn copy_bandwidth(&self) -> Result<f64, Fault>;
     /// How often neighbours were listed.
     fn searches(&self) -> u64;
 }

@@ -1,11 +1,12 @@
-//! How fast the engine is, as data: particle-steps per second (the Cundall number) and bytes per particle.
+//! How fast the engine is, as data: particle-steps per second (the Cundall number), bytes per particle, and where the time
+//! of a step goes, beside what memory could do.
 //!
 //! Speed is shown by files of measurements, not by timed tests: a test that fails when a machine is busy says nothing.
 
 use std::time::Instant;
 use tdem_engine::physics::contact::{Interaction, Law};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
-use tdem_engine::{Constraint, Device, Domain, Fault, Integrator, Plan, Search, Simulation, State};
+use tdem_engine::{Constraint, Device, Domain, Fault, Integrator, Plan, Profile, Search, Simulation, State};
 
 /// The contact benchmark: a block of spheres on a face-centred cubic lattice, pressed together a little, all contacts
 /// present from the start. Material and dampings are those of the gravity packing.
@@ -49,8 +50,33 @@ pub struct Measurement {
     pub median_rate: f64,
     /// Bytes held for the run, all arrays together, per particle.
     pub bytes_per_particle: f64,
-    /// Hash of the final state: the same on every machine.
+    /// Hash of the final state, before the profile: the same on every machine.
     pub hash: u128,
+    /// What came after, if it was asked for.
+    pub profiled: Option<Profiled>,
+}
+
+/// Where the time of a step goes, beside what memory could do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profiled {
+    /// Stages apart.
+    pub profile: Profile,
+    /// How fast the device copies, bytes per second, read and written.
+    pub copy_bandwidth: f64,
+}
+
+impl Measurement {
+    /// Time of a whole step at the best rate, s.
+    #[must_use]
+    pub fn step_seconds(&self) -> f64 {
+        self.particles as f64 / self.best_rate
+    }
+    /// What a whole step moves at least in that time, over what a copy would move.
+    #[must_use]
+    pub fn copy_fraction(&self) -> Option<f64> {
+        let profiled = self.profiled.as_ref()?;
+        Some(profiled.profile.bytes_per_step / self.step_seconds() / profiled.copy_bandwidth)
+    }
 }
 
 /// Radius of the spheres, m.
@@ -68,7 +94,7 @@ const AGITATION: f64 = 0.05;
 /// The [`Fault`] of a run that cannot go on; in this scene that would be a bug.
 pub fn contact(block: &ContactBlock, device: &Device) -> Result<Measurement, Fault> {
     // Page faults and the first list belong to the start, not to the rate.
-    let phase = Phase { after: 5, steps: block.steps, repeats: block.repeats };
+    let phase = Phase { after: 5, steps: block.steps, repeats: block.repeats, profile: 0 };
     phase.measure(lattice(block), plan(block), device)
 }
 
@@ -81,10 +107,12 @@ pub struct Phase {
     pub steps: u64,
     /// Measurements, one after the other; the best and the median are reported.
     pub repeats: usize,
+    /// Steps of a profile behind them, which does not change what they measure; 0 leaves it out.
+    pub profile: u64,
 }
 
 impl Phase {
-    /// Measures whole steps: contacts, motion, walls, and search as often as it is due.
+    /// Measures whole steps: contacts, motion, walls, and search as often as it is due; then each stage for itself.
     ///
     /// # Errors
     /// The [`Fault`] of a run that cannot go on.
@@ -103,9 +131,17 @@ impl Phase {
         let searches = simulation.searches() - searches;
         let bytes = simulation.bytes();
         let state = simulation.state()?;
+        let (contacts, hash) = (state.contacts.len(), state.hash());
+        drop(state);
+        let profiled = if self.profile == 0 {
+            None
+        } else {
+            let profile = simulation.profile(self.profile)?;
+            Some(Profiled { profile, copy_bandwidth: simulation.copy_bandwidth()? })
+        };
         Ok(Measurement {
             particles,
-            contacts_per_particle: 2.0 * state.contacts.len() as f64 / particles as f64,
+            contacts_per_particle: 2.0 * contacts as f64 / particles as f64,
             threads: match device {
                 Device::Cpu(options) => {
                     options.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))
@@ -117,7 +153,8 @@ impl Phase {
             best_rate: rates[rates.len() - 1],
             median_rate: rates[rates.len() / 2],
             bytes_per_particle: bytes as f64 / particles as f64,
-            hash: state.hash(),
+            hash,
+            profiled,
         })
     }
 }
@@ -208,6 +245,25 @@ mod tests {
     }
 
     #[test]
+    fn a_profile_behind_the_measurement_does_not_change_it() {
+        let block = ContactBlock { cells: [6, 6, 6], ..ContactBlock::default() };
+        let device = Device::from(Options { threads: Some(1), ..Options::default() });
+        let measure = |profile| {
+            let phase = Phase { after: 5, steps: 20, repeats: 2, profile };
+            phase.measure(lattice(&block), plan(&block), &device).unwrap()
+        };
+        let (plain, profiled) = (measure(0), measure(10));
+        assert_eq!((plain.hash, plain.searches), (profiled.hash, profiled.searches));
+        assert_eq!((&plain.profiled, plain.copy_fraction()), (&None, None));
+        let found = profiled.profiled.as_ref().unwrap();
+        assert_eq!((found.profile.steps, found.profile.parts.len()), (10, 6));
+        assert!(found.profile.bytes_per_step > 100.0 * profiled.particles as f64);
+        let fraction = profiled.copy_fraction().unwrap();
+        let expected = found.profile.bytes_per_step * profiled.best_rate / profiled.particles as f64;
+        assert!((fraction * found.copy_bandwidth / expected - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn memory_of_a_device_is_known_before_a_run() {
         let device = Device::Gpu { api: gpu::Api::OpenCl, index: 0 };
         for (law, ledger) in [(Law::GN, false), (Law::GNTM, false), (Law::GNTM, true)] {
@@ -215,7 +271,7 @@ mod tests {
             // What touching pairs remember is put aside by the second search.
             let mut plan = plan(&block);
             plan.search.every_step = true;
-            let phase = Phase { after: 1, steps: 1, repeats: 1 };
+            let phase = Phase { after: 1, steps: 1, repeats: 1, profile: 0 };
             let found = phase.measure(lattice(&block), plan.clone(), &device).unwrap();
             let pairs = 0.5 * found.contacts_per_particle * found.particles as f64;
             let expected = gpu::bytes(&plan, found.particles, pairs.round() as usize);

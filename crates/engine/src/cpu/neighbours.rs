@@ -146,10 +146,14 @@ impl Neighbours {
             .collect();
     }
 
+    /// Bytes of what the other particle of a pair feels.
+    pub(crate) fn reaction_bytes(law: Law) -> usize {
+        reaction_stride(law) * size_of::<f64>()
+    }
     /// Bytes of a half list per particle and per pair.
     pub(crate) fn bytes_each(law: Law) -> [usize; 2] {
         let displacement = if law.friction == Friction::Off { 0 } else { size_of::<[f64; 3]>() };
-        let pair = 2 * size_of::<u32>() + size_of::<bool>() + displacement + reaction_stride(law) * size_of::<f64>();
+        let pair = 2 * size_of::<u32>() + size_of::<bool>() + displacement + Self::reaction_bytes(law);
         [2 * size_of::<u32>() + size_of::<[f64; 3]>(), pair]
     }
     pub(crate) fn bytes(&self) -> usize {

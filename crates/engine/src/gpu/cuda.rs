@@ -5,9 +5,9 @@ use super::PRELUDE;
 use super::devices::{Api, Listing};
 use super::kernel_cache::KernelCache;
 use super::pool::{Block, Pool};
-use super::runtime::{Argument, Error, Fetch, Runtime};
+use super::runtime::{Argument, Error, Fetch, Runtime, Span};
 use cudarc::driver::sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT;
-use cudarc::driver::sys::{self, CUresult};
+use cudarc::driver::sys::{self, CUevent_flags, CUresult};
 use cudarc::driver::{CudaContext, CudaEvent, CudaFunction, CudaStream, DriverError, result};
 use cudarc::nvrtc::result as nvrtc;
 use cudarc::nvrtc::{Ptx, sys as nvrtc_sys};
@@ -107,6 +107,20 @@ impl Drop for Transfer {
     }
 }
 
+/// What the device noted before and behind a kernel. Where the host is slower than the device, waiting for the launch
+/// lies between both.
+pub(crate) struct Between {
+    start: CudaEvent,
+    end: CudaEvent,
+}
+
+impl Span for Between {
+    fn seconds(&self) -> Result<f64, Error> {
+        let milliseconds = self.start.elapsed_ms(&self.end).map_err(|e| failed("cuEventElapsedTime", e))?;
+        Ok(1e-3 * f64::from(milliseconds))
+    }
+}
+
 impl Cuda {
     /// All devices; whether they can be used is not known yet.
     pub(crate) fn list() -> Result<Vec<Listing>, Error> {
@@ -145,6 +159,13 @@ impl Cuda {
         let start = unsafe { result::malloc_host(capacity, 0) }.map_err(|e| refused("cuMemHostAlloc", e, capacity))?;
         Ok(Pinned { bytes: start.cast(), capacity, context: Arc::clone(&self.context) })
     }
+    /// The device notes the time when it comes here.
+    fn mark(&self) -> Result<CudaEvent, Error> {
+        let event = self.context.new_event(Some(CUevent_flags::CU_EVENT_DEFAULT));
+        let event = event.map_err(|e| failed("cuEventCreate", e))?;
+        event.record(&self.stream).map_err(|e| failed("cuEventRecord", e))?;
+        Ok(event)
+    }
     fn load(&self, code: Vec<u8>, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
         let module = self.context.load_module(Ptx::from_binary(code)).map_err(|e| failed("cuModuleLoadData", e))?;
         let kernel = |name: &&'static str| {
@@ -162,6 +183,7 @@ impl Runtime for Cuda {
     type Memory = Memory;
     type Kernel = Kernel;
     type Fetch = Transfer;
+    type Span = Between;
 
     fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
         self.enter()?;
@@ -260,6 +282,22 @@ impl Runtime for Cuda {
             result::launch_kernel(function, (groups, 1, 1), (size, 1, 1), 0, stream, &mut parameters)
         }
         .map_err(|e| failed(call, e))
+    }
+
+    fn time_launches(&mut self, _: bool) -> Result<(), Error> {
+        self.wait()
+    }
+
+    fn launch_timed(
+        &self,
+        kernel: &Kernel,
+        groups: usize,
+        size: usize,
+        arguments: &[Argument<'_, Memory>],
+    ) -> Result<Between, Error> {
+        let start = self.mark()?;
+        self.launch(kernel, groups, size, arguments)?;
+        Ok(Between { start, end: self.mark()? })
     }
 
     fn fetch(&self, memory: &Memory, bytes: usize) -> Result<Transfer, Error> {

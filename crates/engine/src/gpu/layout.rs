@@ -1,10 +1,27 @@
 //! What both sides of a launch agree on, in one table: the structs, and the parameters of every kernel.
 //!
 //! A kernel's head is written from this table, and its launch takes its arguments by the same names and types: a
-//! mismatch between host and kernel does not compile on one side or the other.
+//! mismatch between host and kernel does not compile on one side or the other. How much a launch moves at least is
+//! counted from it, too. Each parameter has one of these words before its type:
+//!
+//! | word | what the kernel does | counted |
+//! |---|---|---|
+//! | `value` | is told a number or a struct | no |
+//! | `read` | reads it; nobody writes it meanwhile | once |
+//! | `write` | writes it | once |
+//! | `update` | reads and writes it | twice |
+//! | `shared` | the same, and one work-item may see what another wrote | twice |
+//! | `amend` | reads it, and writes where something changed, which is seldom | once |
+//! | `seldom` | does without it for nearly all particles, or in many launches | no |
+//! | `touching_update` | reads and writes what touching pairs remember, in both rows | twice |
+//! | `touching_read` | reads that in one of both rows | once |
+//!
+//! `where` names the variants that use the parameter, if others do not.
 
 use super::memory::Buffer;
+use super::program::Variant;
 use super::runtime::Argument;
+use super::traffic::Traffic;
 use crate::cpu::Quad;
 use bytemuck::{Pod, Zeroable};
 use tdem_physics::contact::Interaction;
@@ -202,6 +219,8 @@ pub(crate) trait Call<M> {
     const GROUP: usize;
     /// The arguments, in the order of the head.
     fn arguments(&self) -> Vec<Argument<'_, M>>;
+    /// What it moves at least in this variant, if nothing halts it.
+    fn traffic(&self, variant: &Variant) -> Traffic;
 }
 
 /// How a kernel of the table is written in C.
@@ -217,11 +236,14 @@ macro_rules! parameter {
     (read $type:ty, $name:ident) => {
         format!("GLOBAL const {} *RESTRICT {}", <$type as InC>::NAME, stringify!($name))
     };
-    (write $type:ty, $name:ident) => {
-        format!("GLOBAL {} *RESTRICT {}", <$type as InC>::NAME, stringify!($name))
+    (touching_read $type:ty, $name:ident) => {
+        parameter!(read $type, $name)
     };
     (shared $type:ty, $name:ident) => {
         format!("GLOBAL {} *{}", <$type as InC>::NAME, stringify!($name))
+    };
+    ($use:ident $type:ty, $name:ident) => {
+        format!("GLOBAL {} *RESTRICT {}", <$type as InC>::NAME, stringify!($name))
     };
 }
 macro_rules! field_type {
@@ -236,10 +258,41 @@ macro_rules! argument {
         Argument::Memory($field.memory())
     };
 }
+macro_rules! traffic {
+    (value, $field:expr) => {
+        Traffic::default()
+    };
+    (seldom, $field:expr) => {
+        Traffic::default()
+    };
+    (update, $field:expr) => {
+        Traffic::twice($field)
+    };
+    (shared, $field:expr) => {
+        Traffic::twice($field)
+    };
+    (touching_update, $field:expr) => {
+        Traffic::of_touching_slots($field)
+    };
+    (touching_read, $field:expr) => {
+        Traffic::of_histories($field)
+    };
+    ($use:ident, $field:expr) => {
+        Traffic::once($field)
+    };
+}
+macro_rules! used_by {
+    () => {
+        |_| true
+    };
+    ($variants:expr) => {
+        $variants
+    };
+}
 
 macro_rules! kernels {
     ($($(#[$about:meta])* $kernel:ident as $call:ident($group:literal, $groups:literal) {
-        $($parameter:ident: $use:ident $type:ty),* $(,)?
+        $($parameter:ident: $use:ident $type:ty $(where $variants:expr)?),* $(,)?
     })*) => {
         $(
             $(#[$about])*
@@ -249,6 +302,12 @@ macro_rules! kernels {
                 const GROUP: usize = $group;
                 fn arguments(&self) -> Vec<Argument<'_, M>> {
                     vec![$(argument!($use, self.$parameter)),*]
+                }
+                fn traffic(&self, variant: &Variant) -> Traffic {
+                    let parameters: Vec<(fn(&Variant) -> bool, Traffic)> =
+                        vec![$((used_by!($($variants)?), traffic!($use, self.$parameter))),*];
+                    let used = parameters.into_iter().filter(|(used_by, _)| used_by(variant));
+                    used.map(|(_, traffic)| traffic).sum()
                 }
             }
         )*
@@ -275,9 +334,10 @@ kernels! {
     /// See `kernels/predict.cl`.
     predict as Predict(128, 4) {
         step: value Step, status: shared u32,
-        place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
-        derivatives_x: write Quad, derivatives_y: write Quad, derivatives_z: write Quad,
-        image: write i32, kind: read u32, constraints: read Constraint, reference: write u64,
+        place: update Quad, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
+        derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
+        image: seldom i32, kind: read u32 where |v| v.constrained,
+        constraints: read Constraint where |v| v.constrained, reference: amend u64,
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad,
     }
@@ -285,42 +345,46 @@ kernels! {
     contact as Contact(128, 3) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
-        kind: read u32, rank: read u32, interactions: read Pair, constraints: read Constraint,
-        slice: read u32, other: write u32, displacement: write f64,
+        kind: read u32 where |v| !v.one_pair || v.ledger && v.constrained, rank: read u32 where |v| v.ledger,
+        interactions: read Pair where |v| !v.one_pair,
+        constraints: read Constraint where |v| v.ledger && v.constrained,
+        slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad,
-        kick_by_half: read Quad, twist_by_half: read Quad, accounts: write Quad,
+        kick_by_half: read Quad, twist_by_half: read Quad, accounts: update Quad,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {
         step: value Step, status: shared u32,
-        place: write Quad, motion: write Quad, spin: write Quad, force: read Quad, moment: read Quad,
-        derivatives_x: write Quad, derivatives_y: write Quad, derivatives_z: write Quad,
-        kind: read u32, constraints: read Constraint,
+        place: update Quad where |v| v.gear, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
+        derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
+        kind: read u32 where |v| v.constrained, constraints: read Constraint where |v| v.constrained,
     }
     /// See `kernels/fused.cl`.
     fused as Fused(128, 4) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad,
         next_place: write Quad, next_motion: write Quad, next_spin: write Quad,
-        image: write i32, kind: read u32, interactions: read Pair, constraints: read Constraint, reference: write u64,
-        slice: read u32, other: write u32, displacement: write f64,
+        image: seldom i32, kind: read u32 where |v| v.constrained || !v.one_pair,
+        interactions: read Pair where |v| !v.one_pair, constraints: read Constraint where |v| v.constrained,
+        reference: amend u64,
+        slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
     }
     /// See `kernels/scan.cl`.
     scan_blocks as ScanBlocks(256, 4) {
-        count: value u32, values: write u32, sums: write u32,
+        count: value u32, values: update u32, sums: write u32,
     }
     /// See `kernels/scan.cl`.
-    scan_sums as ScanSums(256, 1) { count: value u32, sums: write u32, total: write u32 }
+    scan_sums as ScanSums(256, 1) { count: value u32, sums: update u32, total: write u32 }
     /// See `kernels/scan.cl`.
-    scan_add as ScanAdd(256, 4) { count: value u32, starts: write u32, sums: read u32 }
+    scan_add as ScanAdd(256, 4) { count: value u32, starts: update u32, sums: read u32 }
     /// See `kernels/history.cl`.
     history_count as HistoryCount(128, 4) {
         particles: value u32, slice: read u32, other: read u32, rank: read u32, counts: write u32,
     }
     /// See `kernels/history.cl`.
     history_write as HistoryWrite(128, 4) {
-        particles: value u32, slice: read u32, other: read u32, displacement: read f64, rank: read u32,
+        particles: value u32, slice: read u32, other: read u32, displacement: touching_read f64, rank: read u32,
         starts: read u32, partners: write u32, remembered: write f64,
     }
     /// See `kernels/search.cl`.
@@ -335,7 +399,7 @@ kernels! {
         particles: value u32, cell_start: read u32, cell_of: read u32, place_in_cell: read u32, order: write u32,
     }
     /// See `kernels/search.cl`.
-    order_ranks as OrderRanks(128, 4) { cell_total: value u32, cell_start: read u32, rank: read u32, order: write u32 }
+    order_ranks as OrderRanks(128, 4) { cell_total: value u32, cell_start: read u32, rank: read u32, order: amend u32 }
     /// See `kernels/search.cl`.
     take_quads as TakeQuads(128, 4) { particles: value u32, order: read u32, from: read Quad, to: write Quad }
     /// See `kernels/search.cl`.
@@ -344,15 +408,16 @@ kernels! {
     take_images as TakeImages(128, 4) { particles: value u32, order: read u32, from: read i32, to: write i32 }
     /// See `kernels/search.cl`.
     rows_count as RowsCount(128, 4) {
-        search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32, order: read u32,
+        search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32, order: seldom u32,
         walls: read Wall, wall_place: read Quad, slice_length: write u32, known_low: write u32, known_high: write u32,
     }
     /// See `kernels/search.cl`.
     rows_fill as RowsFill(128, 8) {
         search: value Search, levels: read Level, cell_start: read u32, place: read Quad, rank: read u32,
         known_low: read u32, known_high: read u32, walls: read Wall, wall_place: read Quad,
-        order: read u32, starts: read u32, partners: read u32, remembered: read f64,
-        slice: read u32, other: write u32, displacement: write f64, reference: write u64, wall_reference: write Quad,
+        order: read u32, starts: read u32 where |v| v.friction(), partners: read u32 where |v| v.friction(),
+        remembered: read f64 where |v| v.friction(), slice: read u32, other: write u32,
+        displacement: write f64, reference: write u64, wall_reference: write Quad,
     }
 }
 

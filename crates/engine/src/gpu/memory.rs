@@ -1,7 +1,10 @@
 //! Typed buffers, and a queue that runs the kernels of the table.
 
 use super::layout::{Call, InC};
+use super::program::Variant;
 use super::runtime::{Argument, Error, Fetch, Runtime};
+use super::traffic::Traffic;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -11,6 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(crate) struct Buffer<T, M> {
     memory: Arc<M>,
     len: usize,
+    /// How many of them mean something; there may be room for more.
+    used: usize,
     /// Whether it stands in the memory of another buffer.
     lodges: bool,
     /// Bytes of all buffers of the queue together.
@@ -25,6 +30,14 @@ impl<T, M> Buffer<T, M> {
     pub(crate) fn len(&self) -> usize {
         self.len
     }
+    pub(crate) fn used(&self) -> usize {
+        self.used
+    }
+    /// Says that the first `len` values mean something.
+    pub(crate) fn set_used(&mut self, len: usize) {
+        debug_assert!(len <= self.len, "what is used has room");
+        self.used = len;
+    }
     fn bytes(&self) -> usize {
         self.len * size_of::<T>()
     }
@@ -37,6 +50,7 @@ impl<T: InC, M> Buffer<T, M> {
         Buffer {
             memory: Arc::clone(&self.memory),
             len,
+            used: len,
             lodges: true,
             total: Arc::clone(&self.total),
             element: PhantomData,
@@ -55,16 +69,27 @@ impl<T, M> Drop for Buffer<T, M> {
 /// A device's queue and the kernels built for a run.
 pub(crate) struct Queue<R: Runtime> {
     runtime: R,
+    variant: Variant,
     kernels: BTreeMap<&'static str, R::Kernel>,
     total: Arc<AtomicUsize>,
+    /// What was launched since a profile began, while one is taken.
+    record: RefCell<Option<Vec<Launched<R::Span>>>>,
+}
+
+/// A launch of a profile.
+pub(super) struct Launched<S> {
+    pub(super) kernel: &'static str,
+    pub(super) traffic: Traffic,
+    pub(super) span: S,
 }
 
 impl<R: Runtime> Queue<R> {
-    /// Builds the named kernels.
-    pub(super) fn new(runtime: R, source: &str, names: &[&'static str]) -> Result<Self, Error> {
-        let built = runtime.build(source, names)?;
-        let kernels = names.iter().copied().zip(built).collect();
-        Ok(Queue { runtime, kernels, total: Arc::default() })
+    /// Builds the kernels of a variant.
+    pub(super) fn new(runtime: R, variant: Variant) -> Result<Self, Error> {
+        let names = variant.kernels();
+        let built = runtime.build(&variant.source(), &names)?;
+        let kernels = names.into_iter().zip(built).collect();
+        Ok(Queue { runtime, variant, kernels, total: Arc::default(), record: RefCell::default() })
     }
     /// Bytes of all buffers together.
     pub(crate) fn bytes(&self) -> usize {
@@ -75,7 +100,7 @@ impl<R: Runtime> Queue<R> {
         let memory = self.runtime.allocate((len * size_of::<T>()).max(1))?;
         self.total.fetch_add(len * size_of::<T>(), Ordering::Relaxed);
         let memory = Arc::new(memory);
-        Ok(Buffer { memory, len, lodges: false, total: Arc::clone(&self.total), element: PhantomData })
+        Ok(Buffer { memory, len, used: len, lodges: false, total: Arc::clone(&self.total), element: PhantomData })
     }
     /// A buffer that holds `values`.
     pub(crate) fn buffer_of<T: InC>(&self, values: &[T]) -> Result<Buffer<T, R::Memory>, Error> {
@@ -119,7 +144,40 @@ impl<R: Runtime> Queue<R> {
     /// Runs a kernel in so many groups.
     pub(crate) fn run_groups<C: Call<R::Memory>>(&self, call: &C, groups: usize) -> Result<(), Error> {
         let arguments: Vec<Argument<'_, R::Memory>> = call.arguments();
-        self.runtime.launch(&self.kernels[C::NAME], groups.max(1), C::GROUP, &arguments)
+        let (kernel, groups) = (&self.kernels[C::NAME], groups.max(1));
+        match &mut *self.record.borrow_mut() {
+            None => self.runtime.launch(kernel, groups, C::GROUP, &arguments),
+            Some(record) => {
+                let span = self.runtime.launch_timed(kernel, groups, C::GROUP, &arguments)?;
+                record.push(Launched { kernel: C::NAME, traffic: self.traffic(call), span });
+                Ok(())
+            }
+        }
+    }
+    /// What a launch moves at least.
+    pub(super) fn traffic<C: Call<R::Memory>>(&self, call: &C) -> Traffic {
+        call.traffic(&self.variant)
+    }
+    /// From here on launches are timed and recorded.
+    pub(super) fn begin_record(&mut self) -> Result<(), Error> {
+        self.runtime.time_launches(true)?;
+        *self.record.get_mut() = Some(Vec::new());
+        Ok(())
+    }
+    /// Takes the last launches out of the record, if there is one: they did nothing.
+    pub(super) fn forget_launches(&self, count: usize) {
+        if let Some(record) = &mut *self.record.borrow_mut() {
+            record.truncate(record.len() - count);
+        }
+    }
+    /// What was launched since the record began, which ends here.
+    pub(super) fn end_record(&mut self) -> Result<Vec<Launched<R::Span>>, Error> {
+        let record = self.record.get_mut().take().unwrap_or_default();
+        self.runtime.time_launches(false)?;
+        Ok(record)
+    }
+    pub(crate) fn wait(&self) -> Result<(), Error> {
+        self.runtime.wait()
     }
     pub(crate) fn flush(&self) -> Result<(), Error> {
         self.runtime.flush()

@@ -4,8 +4,8 @@
 use super::PRELUDE;
 use super::devices::{Api, Listing};
 use super::pool::{Block, Pool};
-use super::runtime::{Argument, Error, Fetch, Runtime};
-use opencl3::command_queue::CommandQueue;
+use super::runtime::{Argument, Error, Fetch, Runtime, Span};
+use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
 use opencl3::device::{CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, Device};
 use opencl3::error_codes::{
@@ -17,7 +17,7 @@ use opencl3::kernel::set_kernel_arg;
 use opencl3::memory::{Buffer, CL_MAP_READ, CL_MAP_WRITE, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
 use opencl3::platform::get_platforms;
 use opencl3::program::Program;
-use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING, cl_mem};
+use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING, cl_command_queue_properties, cl_mem};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::mem::ManuallyDrop;
@@ -63,6 +63,10 @@ impl Shared {
             Entry::Occupied(known) => f(known.get()),
             Entry::Vacant(free) => f(free.insert(self.program(source)?)),
         }
+    }
+    fn queue(&self, properties: cl_command_queue_properties) -> Result<CommandQueue, Error> {
+        #[allow(deprecated, reason = "the newer call is not part of OpenCL 1.2")]
+        CommandQueue::create_default(&self.context, properties).map_err(|e| failed("clCreateCommandQueue", e))
     }
     fn program(&self, source: &str) -> Result<Program, Error> {
         let mut program =
@@ -154,6 +158,16 @@ impl Drop for Transfer {
     }
 }
 
+impl Span for Event {
+    fn seconds(&self) -> Result<f64, Error> {
+        self.wait().map_err(|e| failed("clWaitForEvents", e))?;
+        let asked = |e| failed("clGetEventProfilingInfo", e);
+        let start = self.profiling_command_start().map_err(asked)?;
+        let end = self.profiling_command_end().map_err(asked)?;
+        Ok(1e-9 * end.saturating_sub(start) as f64)
+    }
+}
+
 impl OpenCl {
     /// All devices of all platforms; whether they can be used is not known yet.
     pub(crate) fn list() -> Result<Vec<Listing>, Error> {
@@ -176,11 +190,7 @@ impl OpenCl {
             return Err(Error::Missing { why: "the device has no 64-bit reals".to_owned() });
         }
         let shared = Shared::of(device)?;
-        let queue = || {
-            #[allow(deprecated, reason = "the newer call is not part of OpenCL 1.2")]
-            CommandQueue::create_default(&shared.context, 0).map_err(|e| failed("clCreateCommandQueue", e))
-        };
-        let (queue, mapping) = (queue()?, Arc::new(queue()?));
+        let (queue, mapping) = (shared.queue(0)?, Arc::new(shared.queue(0)?));
         Ok(OpenCl { shared, queue, mapping, pool: Pool::new() })
     }
     fn map(&self, capacity: usize) -> Result<Mapped, Error> {
@@ -195,6 +205,43 @@ impl OpenCl {
             .map_err(|e| no_room("clEnqueueMapBuffer", e, capacity))?;
         Ok(Mapped { buffer, bytes: start.cast(), capacity, queue: Arc::clone(&self.mapping) })
     }
+    /// Runs at least one group.
+    fn enqueue(
+        &self,
+        kernel: &Kernel,
+        groups: usize,
+        size: usize,
+        arguments: &[Argument<'_, Memory>],
+    ) -> Result<Event, Error> {
+        let Kernel { kernel, arguments: expected } = kernel;
+        if arguments.len() != *expected {
+            let message = format!("{} arguments, the kernel expects {expected}", arguments.len());
+            return Err(Error::Call { call: "clSetKernelArg", message });
+        }
+        for (index, argument) in arguments.iter().enumerate() {
+            let buffer;
+            let (size, value) = match argument {
+                Argument::Memory(memory) => {
+                    buffer = memory.buffer.get();
+                    (size_of_val(&buffer), (&raw const buffer).cast())
+                }
+                Argument::Value(value) => (value.len(), value.as_ptr().cast()),
+            };
+            // SAFETY: there is an argument of this number, and its value is copied by the call. That it has the size
+            // that the kernel's source gives it is checked by most drivers.
+            unsafe { set_kernel_arg(kernel.get(), index as u32, size, value) }.map_err(|code| Error::Call {
+                call: "clSetKernelArg",
+                message: format!("{} (argument {index})", ClError(code)),
+            })?;
+        }
+        let total = groups * size;
+        // SAFETY: one dimension, as both sizes; all arguments are set. What the kernel does with its buffers is the
+        // business of its source.
+        unsafe {
+            self.queue.enqueue_nd_range_kernel(kernel.get(), 1, ptr::null(), &raw const total, &raw const size, &[])
+        }
+        .map_err(|e| failed("clEnqueueNDRangeKernel", e))
+    }
     /// Fills the first `bytes`, at least one, with zeros.
     fn fill(&self, memory: &Memory, bytes: usize) -> Result<(), ClError> {
         // Wide patterns are filled faster; a pattern must fit a whole number of times.
@@ -208,6 +255,8 @@ impl Runtime for OpenCl {
     type Memory = Memory;
     type Kernel = Kernel;
     type Fetch = Transfer;
+    /// The kernel's own event, whose profile is the kernel's and no more.
+    type Span = Event;
 
     fn build(&self, source: &str, names: &[&'static str]) -> Result<Vec<Kernel>, Error> {
         self.shared.with_program(&[PRELUDE, source].concat(), |program| {
@@ -264,38 +313,24 @@ impl Runtime for OpenCl {
         size: usize,
         arguments: &[Argument<'_, Memory>],
     ) -> Result<(), Error> {
-        if groups == 0 {
-            return Ok(());
-        }
-        let Kernel { kernel, arguments: expected } = kernel;
-        if arguments.len() != *expected {
-            let message = format!("{} arguments, the kernel expects {expected}", arguments.len());
-            return Err(Error::Call { call: "clSetKernelArg", message });
-        }
-        for (index, argument) in arguments.iter().enumerate() {
-            let buffer;
-            let (size, value) = match argument {
-                Argument::Memory(memory) => {
-                    buffer = memory.buffer.get();
-                    (size_of_val(&buffer), (&raw const buffer).cast())
-                }
-                Argument::Value(value) => (value.len(), value.as_ptr().cast()),
-            };
-            // SAFETY: there is an argument of this number, and its value is copied by the call. That it has the size
-            // that the kernel's source gives it is checked by most drivers.
-            unsafe { set_kernel_arg(kernel.get(), index as u32, size, value) }.map_err(|code| Error::Call {
-                call: "clSetKernelArg",
-                message: format!("{} (argument {index})", ClError(code)),
-            })?;
-        }
-        let total = groups * size;
-        // SAFETY: one dimension, as both sizes; all arguments are set. What the kernel does with its buffers is the
-        // business of its source.
-        unsafe {
-            self.queue.enqueue_nd_range_kernel(kernel.get(), 1, ptr::null(), &raw const total, &raw const size, &[])
-        }
-        .map_err(|e| failed("clEnqueueNDRangeKernel", e))?;
+        if groups == 0 { Ok(()) } else { self.enqueue(kernel, groups, size, arguments).map(drop) }
+    }
+
+    /// Only a queue that was made for it times what runs in it, and each kernel then takes longer to start.
+    fn time_launches(&mut self, timed: bool) -> Result<(), Error> {
+        self.wait()?;
+        self.queue = self.shared.queue(if timed { CL_QUEUE_PROFILING_ENABLE } else { 0 })?;
         Ok(())
+    }
+
+    fn launch_timed(
+        &self,
+        kernel: &Kernel,
+        groups: usize,
+        size: usize,
+        arguments: &[Argument<'_, Memory>],
+    ) -> Result<Event, Error> {
+        self.enqueue(kernel, groups, size, arguments)
     }
 
     fn fetch(&self, memory: &Memory, bytes: usize) -> Result<Transfer, Error> {

@@ -55,6 +55,10 @@ impl Variant {
     pub(crate) fn fused(&self) -> bool {
         !self.gear && !self.ledger
     }
+    /// Whether touching pairs remember anything.
+    pub(crate) fn friction(&self) -> bool {
+        self.law.friction != Friction::Off
+    }
     /// The names of its kernels.
     pub(crate) fn kernels(&self) -> Vec<&'static str> {
         layout::heads().into_iter().map(|head| head.name).filter(|&name| name != "fused" || self.fused()).collect()
@@ -66,7 +70,7 @@ impl Variant {
     pub(crate) fn source(&self) -> String {
         let mut text = String::new();
         let switches = [
-            ("FRICTION", self.law.friction != Friction::Off),
+            ("FRICTION", self.friction()),
             ("MOMENTS", self.law.moments),
             ("GEAR", self.gear),
             ("LEDGER", self.ledger),

@@ -25,6 +25,8 @@ const CRUSHED: u32 = 4;
 /// behind a halt does nothing. Two batches are under way, so that the device never waits.
 const BATCH: u64 = 16;
 const BATCHES: usize = 2;
+/// Kernels of a step that is not one.
+const KERNELS_APART: usize = 2;
 
 /// A run on a device.
 pub(crate) struct Gpu<R: Runtime> {
@@ -50,7 +52,8 @@ pub(crate) struct Gpu<R: Runtime> {
     pub(super) scratch: Scratch<R::Memory>,
     status: Buffer<u32, R::Memory>,
     pub(super) step_record: Step,
-    fused: bool,
+    /// Whether a step is one kernel.
+    pub(super) fused: bool,
     /// Steps of the next batch.
     batch: u64,
     pub(super) searches: u64,
@@ -62,7 +65,7 @@ impl<R: Runtime> Gpu<R> {
     /// Takes a validated state up.
     pub(crate) fn new(runtime: R, state: State, plan: &Plan) -> Result<Self, Fault> {
         let variant = Variant::of(plan, &state);
-        let queue = Queue::new(runtime, &variant.source(), &variant.kernels())?;
+        let queue = Queue::new(runtime, variant)?;
         let n = state.len();
         let friction = plan.law.friction != Friction::Off;
         let fields = Fields::new(&queue, &state, plan)?;
@@ -169,6 +172,7 @@ impl<R: Runtime> Gpu<R> {
                 let fused = if self.fused { reached - done - u64::from(reached == steps) } else { 0 };
                 self.now = (start + fused as usize) % 2;
                 self.fault_in(status, reached, steps)?;
+                self.queue.forget_launches(KERNELS_APART * (launched - reached) as usize);
                 self.batch = (reached - done).clamp(1, BATCH);
                 self.note_way(status);
                 let histories = self.carry_histories()?;
@@ -288,35 +292,37 @@ impl<R: Runtime> Gpu<R> {
     }
 
     fn launch_fused(&mut self) -> Result<(), Error> {
-        let step = self.next_step();
-        let (half, next, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
-        self.queue.run(
-            &Fused {
-                step,
-                status: &self.status,
-                place: &half.place,
-                motion: &half.motion,
-                spin: &half.spin,
-                next_place: &next.place,
-                next_motion: &next.motion,
-                next_spin: &next.spin,
-                image: &fields.image,
-                kind: &fields.kind,
-                interactions: &self.constants.interactions,
-                constraints: &self.constants.constraints,
-                reference: &self.rows.reference,
-                slice: &self.rows.slice,
-                other: &self.rows.other,
-                displacement: &self.rows.displacement,
-                walls: &self.constants.walls,
-                wall_place: &half.wall_place,
-                next_wall_place: &next.wall_place,
-                wall_reference: &self.rows.wall_reference,
-            },
-            step.items as usize,
-        )?;
+        let items = self.next_step().items as usize;
+        self.queue.run(&self.fused_call(), items)?;
         self.now = 1 - self.now;
         Ok(())
+    }
+
+    /// From the present prediction to the next.
+    pub(super) fn fused_call(&self) -> Fused<'_, R::Memory> {
+        let (half, next, fields) = (&self.halves[self.now], &self.halves[1 - self.now], &self.fields);
+        Fused {
+            step: self.step_record,
+            status: &self.status,
+            place: &half.place,
+            motion: &half.motion,
+            spin: &half.spin,
+            next_place: &next.place,
+            next_motion: &next.motion,
+            next_spin: &next.spin,
+            image: &fields.image,
+            kind: &fields.kind,
+            interactions: &self.constants.interactions,
+            constraints: &self.constants.constraints,
+            reference: &self.rows.reference,
+            slice: &self.rows.slice,
+            other: &self.rows.other,
+            displacement: &self.rows.displacement,
+            walls: &self.constants.walls,
+            wall_place: &half.wall_place,
+            next_wall_place: &next.wall_place,
+            wall_reference: &self.rows.wall_reference,
+        }
     }
 
     /// Forces for a fresh state: nothing moves, no history advances.

@@ -11,6 +11,8 @@ pub(crate) trait Runtime: Send + Sized + 'static {
     type Kernel: Send;
     /// A transfer to the host that is under way.
     type Fetch: Fetch;
+    /// A launch that was timed.
+    type Span: Span;
 
     /// Compiles kernels written in the dialect of `kernels/prelude.cl`, without contraction of `a * b + c`.
     ///
@@ -32,6 +34,16 @@ pub(crate) trait Runtime: Send + Sized + 'static {
         size: usize,
         arguments: &[Argument<'_, Self::Memory>],
     ) -> Result<(), Error>;
+    /// Says whether launches will be timed, which some devices must know before. Waits until all is done.
+    fn time_launches(&mut self, timed: bool) -> Result<(), Error>;
+    /// As [`Self::launch`], of at least one group, with the device's clock read before and behind it.
+    fn launch_timed(
+        &self,
+        kernel: &Self::Kernel,
+        groups: usize,
+        size: usize,
+        arguments: &[Argument<'_, Self::Memory>],
+    ) -> Result<Self::Span, Error>;
     /// Starts to bring the first `bytes` of a memory to the host, into pinned memory where there is such a thing.
     fn fetch(&self, memory: &Self::Memory, bytes: usize) -> Result<Self::Fetch, Error>;
     /// Hands over to the device what was asked for so far.
@@ -44,6 +56,12 @@ pub(crate) trait Runtime: Send + Sized + 'static {
 pub(crate) trait Fetch: Send {
     /// Waits for the bytes.
     fn wait(&mut self) -> Result<&[u8], Error>;
+}
+
+/// A launch that was timed.
+pub(crate) trait Span: Send {
+    /// How long it took on the device, s. Waits until it is done.
+    fn seconds(&self) -> Result<f64, Error>;
 }
 
 /// An argument of a kernel.

@@ -135,6 +135,7 @@ fn reserve<T: InC, R: Runtime>(
         *buffer = queue.buffer(0)?;
         *buffer = queue.buffer(len + headroom)?;
     }
+    buffer.set_used(len);
     Ok(())
 }
 
@@ -179,6 +180,7 @@ impl<R: Runtime> Gpu<R> {
         };
         let (queue, scratch) = (&self.queue, &mut self.scratch);
         if scratch.known_levels != levels {
+            scratch.levels.set_used(levels.len());
             queue.upload(&scratch.levels, &levels)?;
             scratch.known_levels.clone_from(&levels);
         }
@@ -248,12 +250,10 @@ impl<R: Runtime> Gpu<R> {
         )?;
         scan(queue, &mut scratch.sums, &scratch.total, &rows.slice, slices)?;
         let slots = queue.read(&scratch.total, 1)?[0] as usize * SLICE;
-        if slots > rows.other.len() {
-            let headroom = slots / 64;
-            reserve(queue, &mut rows.other, slots, headroom)?;
-            if self.friction {
-                reserve(queue, &mut rows.displacement, 3 * slots, 3 * headroom)?;
-            }
+        let headroom = slots / 64;
+        reserve(queue, &mut rows.other, slots, headroom)?;
+        if self.friction {
+            reserve(queue, &mut rows.displacement, 3 * slots, 3 * headroom)?;
         }
         queue.run(
             &RowsFill {

@@ -5,10 +5,11 @@ use super::cuda::Cuda;
 use super::devices::{Api, open_opencl, survey};
 use super::kernel_cache::KernelCache;
 use super::opencl::OpenCl;
-use super::runtime::{Argument, Error, Fetch, Runtime};
+use super::runtime::{Argument, Error, Fetch, Runtime, Span};
 use super::self_test::{SOURCE, agrees, check_contraction};
 use std::env;
 use std::sync::Once;
+use std::time::Instant;
 
 /// Runs tests on OpenCL, and on CUDA when the ignored ones are asked for.
 macro_rules! on_each_runtime {
@@ -210,6 +211,38 @@ fn a_device_that_fuses_is_found_out(runtime: &impl Runtime) {
         assert!(SOURCE.contains(plain));
         assert_eq!(agrees(runtime, &SOURCE.replace(plain, other)), Ok(false), "{other}");
     }
+}
+
+#[test]
+fn a_timed_launch_does_the_same_on_opencl() {
+    a_timed_launch_does_the_same(opencl_runtime());
+}
+
+#[test]
+#[ignore = "needs a device of CUDA"]
+fn a_timed_launch_does_the_same_on_cuda() {
+    a_timed_launch_does_the_same(cuda_runtime());
+}
+
+fn a_timed_launch_does_the_same(mut runtime: impl Runtime) {
+    let kernel = runtime.build(KERNELS, &["count"]).unwrap().remove(0);
+    let n = 1_u32 << 18;
+    let groups = n as usize / 64;
+    let memory = runtime.allocate(4 * (4 + 4 * n as usize)).unwrap();
+    runtime.clear(&memory, 16).unwrap();
+    let value = n.to_ne_bytes();
+    let arguments = [Argument::Memory(&memory), Argument::Value(&value)];
+    runtime.time_launches(true).unwrap();
+    let start = Instant::now();
+    let spans: Vec<_> = (0..3).map(|_| runtime.launch_timed(&kernel, groups, 64, &arguments).unwrap()).collect();
+    let seconds: Vec<f64> = spans.iter().map(|span| span.seconds().unwrap()).collect();
+    let whole = start.elapsed().as_secs_f64();
+    runtime.time_launches(false).unwrap();
+    runtime.launch(&kernel, groups, 64, &arguments).unwrap();
+    // Both clocks count seconds.
+    assert!(seconds.iter().all(|&s| s > 0.0) && seconds.iter().sum::<f64>() < 2.0 * whole, "{seconds:?} of {whole}");
+    let mut fetch = runtime.fetch(&memory, 16).unwrap();
+    assert_eq!(bytemuck::cast_slice::<u8, u32>(fetch.wait().unwrap())[3], 4 * n);
 }
 
 #[test]
