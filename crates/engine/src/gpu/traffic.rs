@@ -31,11 +31,11 @@ impl Traffic {
     pub(crate) fn twice<T, M>(buffer: &Buffer<T, M>) -> Self {
         Traffic { bytes: 2 * Traffic::once(buffer).bytes, ..Traffic::default() }
     }
-    /// What each touching slot remembers, so many times.
-    pub(crate) fn of_touching_slots<M>(displacement: &Buffer<f64, M>, times: u64) -> Self {
-        Traffic { per_slot: times * remembered(displacement), ..Traffic::default() }
+    /// What each touching slot remembers, read and written.
+    pub(crate) fn of_touching_slots<M>(displacement: &Buffer<f64, M>) -> Self {
+        Traffic { per_slot: 2 * remembered(displacement), ..Traffic::default() }
     }
-    /// What each touching pair remembers.
+    /// What each touching pair remembers, once.
     pub(crate) fn of_histories<M>(displacement: &Buffer<f64, M>) -> Self {
         Traffic { per_history: remembered(displacement), ..Traffic::default() }
     }
