@@ -9,7 +9,6 @@ use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
 use super::search::{Histories, Rows, Scratch};
-use crate::cpu::Quad;
 use crate::{Fault, Integrator, Plan, State};
 use std::collections::VecDeque;
 use tdem_physics::contact::Friction;
@@ -344,7 +343,7 @@ impl<R: Runtime> Gpu<R> {
         Ok(())
     }
 
-    /// Gear's second derivative from the forces of a fresh state; the higher ones stay 0.
+    /// Gear's second derivative from the forces of a fresh state; the higher ones are what the state says.
     fn start_derivatives(&mut self) -> Result<(), Error> {
         let n = self.particles;
         let force = self.queue.read(&self.halves[1 - self.now].place, n)?;
@@ -353,7 +352,10 @@ impl<R: Runtime> Gpu<R> {
         let second = force.iter().zip(&motion).map(|(f, m)| f.vector() * (half_square / m.scalar()));
         let second: Vec<[f64; 3]> = second.map(Into::into).collect();
         for (k, derivatives) in self.fields.derivatives.iter().enumerate() {
-            let of_coordinate: Vec<Quad> = second.iter().map(|v| Quad([v[k], 0.0, 0.0, 0.0])).collect();
+            let mut of_coordinate = self.queue.read(derivatives, n)?;
+            for (derivatives, second) in of_coordinate.iter_mut().zip(&second) {
+                derivatives.0[0] = second[k];
+            }
             self.queue.upload(derivatives, &of_coordinate)?;
         }
         Ok(())

@@ -250,7 +250,7 @@ impl<R: Runtime> Gpu<R> {
         )?;
         scan(queue, &mut scratch.sums, &scratch.total, &rows.slice, slices)?;
         let slots = queue.read(&scratch.total, 1)?[0] as usize * SLICE;
-        let headroom = slots / 64;
+        let headroom = slots / 128;
         reserve(queue, &mut rows.other, slots, headroom)?;
         if self.friction {
             reserve(queue, &mut rows.displacement, 3 * slots, 3 * headroom)?;
@@ -298,9 +298,9 @@ impl<R: Runtime> Gpu<R> {
             .run(&HistoryCount { particles, slice: &rows.slice, other: &rows.other, rank, counts: &kept.starts }, n)?;
         scan(queue, &mut self.scratch.sums, &self.scratch.total, &kept.starts, n)?;
         let entries = queue.read(&self.scratch.total, 1)?[0] as usize;
-        reserve(queue, &mut kept.partners, entries, entries / 64)?;
+        reserve(queue, &mut kept.partners, entries, entries / 128)?;
         if self.friction {
-            reserve(queue, &mut kept.remembered, 3 * entries, 3 * (entries / 64))?;
+            reserve(queue, &mut kept.remembered, 3 * entries, 3 * (entries / 128))?;
         }
         queue.run(
             &HistoryWrite {
