@@ -139,6 +139,7 @@ fn plan(block: &ContactBlock) -> Plan {
         law: block.law,
         materials: 1,
         interactions: vec![interaction],
+        bonds: None,
         walls: Vec::new(),
         gravity: [0.0, 0.0, -9.81],
         constraints: vec![Constraint::FREE],

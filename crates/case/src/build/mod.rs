@@ -204,6 +204,7 @@ impl<'c> Context<'c> {
             law: law(case),
             materials: self.materials.len(),
             interactions,
+            bonds: None,
             walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
             gravity: case.gravity,
             constraints,

@@ -45,11 +45,15 @@ impl Cpu {
             angular_velocity: sorted(by_rank, &bodies.spin, vector),
             force: sorted(by_rank, &bodies.force, vector),
             moment: sorted_or_zero(by_rank, &bodies.moment, vector),
+            orientation: Vec::new(),
+            bonded_position: Vec::new(),
             derivatives: sorted(by_rank, &bodies.derivatives, |&derivatives| derivatives),
             accounts: sorted(by_rank, &bodies.accounts, |&accounts| accounts),
             wall_position: self.wall_position.clone(),
             contacts,
             wall_contacts: wall_contacts.collect(),
+            bonds: Vec::new(),
+            bond_histories: Vec::new(),
         }
     }
 
