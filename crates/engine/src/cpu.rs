@@ -4,6 +4,8 @@
 //! `rank` (its place in the order of ids) decides every order that could change a bit.
 
 mod bodies;
+mod bond;
+mod bonds;
 mod boundary;
 mod contact;
 mod correct;
@@ -24,6 +26,7 @@ pub(crate) use neighbours::indices_by_rank;
 pub(crate) use pieces::split;
 
 use bodies::Bodies;
+use bonds::Bonds;
 use neighbours::Neighbours;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
@@ -73,11 +76,12 @@ impl Default for Options {
 }
 
 /// How many bytes a run of default options will hold, all arrays together but for those of walls, with so many pairs in
-/// its list; [`crate::Simulation::bytes`] tells it of a run that is there.
+/// its list and so many bonds; [`crate::Simulation::bytes`] tells it of a run that is there.
 #[must_use]
-pub fn bytes(plan: &Plan, particles: usize, pairs: usize) -> usize {
+pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize {
     let [row, pair] = Neighbours::bytes_each(plan.law);
-    particles * (size_of::<u32>() + Bodies::bytes_each(plan) + row) + pairs * pair
+    let [bonded, bond] = Bonds::bytes_each(plan);
+    particles * (size_of::<u32>() + Bodies::bytes_each(plan) + row + bonded) + pairs * pair + bonds * bond
 }
 
 /// Particles per task of a parallel loop. Results do not depend on it.
@@ -93,6 +97,7 @@ pub(crate) struct Cpu {
     ids: Vec<u32>,
     bodies: Bodies,
     neighbours: Neighbours,
+    bonds: Bonds,
     wall_position: Vec<[f64; 3]>,
     /// Whether something moved too far for the present list.
     search_due: bool,
@@ -115,6 +120,7 @@ impl Cpu {
             ids: Vec::new(),
             bodies: Bodies::default(),
             neighbours: Neighbours::default(),
+            bonds: Bonds::default(),
             wall_position: Vec::new(),
             search_due: true,
             searches: 0,
@@ -137,6 +143,9 @@ impl Stages for Cpu {
     }
     fn search(&mut self) -> Result<(), Fault> {
         if self.search_due || self.plan.search.every_step { self.list_anew() } else { Ok(()) }
+    }
+    fn bond(&mut self) {
+        self.bond_all();
     }
     fn contact(&mut self) -> Result<(), Fault> {
         self.contact_all()
@@ -164,13 +173,16 @@ impl Backend for Cpu {
                 self.neighbours.displacement.clone(),
                 self.neighbours.wall_displacements(),
                 self.bodies.accounts.clone(),
+                self.bonds.written.history.clone(),
             );
             self.history_step = 0.0;
+            self.bond_all();
             self.contact_all()?;
             self.gather_all();
             self.boundary_all();
             self.history_step = self.plan.dt;
-            let (displacement, wall_displacement, accounts) = kept;
+            let (displacement, wall_displacement, accounts, bond_histories) = kept;
+            self.bonds.written.history = bond_histories;
             self.neighbours.displacement = displacement;
             self.neighbours.restore_wall_displacements(&wall_displacement);
             self.bodies.accounts = accounts;
@@ -182,7 +194,10 @@ impl Backend for Cpu {
         Ok(self.pool.install(|| self.state()).into())
     }
     fn bytes(&self) -> usize {
-        self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])
+        self.bodies.bytes()
+            + self.bonds.bytes(&self.plan)
+            + self.neighbours.bytes()
+            + std::mem::size_of_val(&self.ids[..])
     }
     fn searches(&self) -> u64 {
         self.searches

@@ -42,9 +42,6 @@ impl From<&Device> for Device {
 impl Device {
     /// A back end that holds the state.
     pub(crate) fn open(self, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
-        if plan.bonds.is_some() {
-            return Err(Fault::Inconsistent { what: "no back end computes bonds yet" });
-        }
         match self {
             Device::Cpu(options) => Ok(Box::new(cpu::Cpu::new(state, plan, &options)?)),
             Device::Gpu { api, index } => gpu::open(api, index, state, plan),

@@ -235,7 +235,7 @@ mod tests {
                 let found = contact(&block, &Options::default().into()).unwrap();
                 // In a crystal just the touching pairs are listed.
                 let pairs = 0.5 * found.contacts_per_particle * found.particles as f64;
-                let expected = cpu::bytes(&plan(&block), found.particles, pairs.round() as usize);
+                let expected = cpu::bytes(&plan(&block), found.particles, pairs.round() as usize, 0);
                 let expected = expected as f64 / found.particles as f64;
                 assert!((found.bytes_per_particle - expected).abs() < 0.1, "{block:?}: {found:?}, not {expected}");
             }

@@ -19,6 +19,8 @@ pub(crate) struct Neighbours {
     pub(crate) other: Vec<u32>,
     /// Whether the pair touched when it was last looked at, `(P)`.
     pub(crate) touching: Vec<bool>,
+    /// Whether a bond holds between the pair, so that no contact acts, `(P)`; empty where contacts do not mind bonds.
+    pub(crate) bonded: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
     /// What the other particle feels: force on the row's particle (it feels the opposite), N, and its own moment, N m,
@@ -90,6 +92,16 @@ impl Neighbours {
         }
         &self.incoming[self.incoming_start[particle] as usize..self.incoming_start[particle + 1] as usize]
     }
+    /// Lets contact act between two particles whose bond broke.
+    pub(crate) fn release(&mut self, i: usize, j: usize) {
+        for (from, to) in [(i, j), (j, i)] {
+            if let Some(pair) = self.row(from).find(|&pair| self.other[pair] as usize == to) {
+                if let Some(bonded) = self.bonded.get_mut(pair) {
+                    *bonded = false;
+                }
+            }
+        }
+    }
     /// Touching pairs, seen from their lower rank: ranks and displacement, ascending.
     pub(crate) fn histories(&self, rank: &[u32]) -> Histories {
         let n = rank.len();
@@ -159,6 +171,7 @@ impl Neighbours {
         size(&self.start)
             + size(&self.other)
             + size(&self.touching)
+            + size(&self.bonded)
             + size(&self.displacement)
             + size(&self.reaction)
             + size(&self.incoming_start)

@@ -32,11 +32,15 @@ pub(in crate::cpu) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: 
     let mut crushed: Crushed = None;
     for base in (0..pairs).step_by(WIDTH) {
         let width = WIDTH.min(pairs - base);
+        let free = free_of_bonds(rows.bonded, base, width);
+        if free == 0 {
+            continue;
+        }
         let group = Group::in_a_row(base, width, &owner, rows.other);
         ask_ahead::<V>(scene, rows.other, base + AHEAD);
         let (touch, radii) = law.touch(scene, &group);
-        let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
-        let crushes = R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
+        let touches = free & R::bits(touch.overlap.gt(R::lit(0.0)));
+        let crushes = free & R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
         if crushes != 0 {
             for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
                 crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
@@ -71,6 +75,19 @@ pub(in crate::cpu) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: 
     }
     rows.close_books::<V>();
     crushed
+}
+
+/// One bit for each of eight pairs between which contact may act.
+#[inline(always)]
+fn free_of_bonds(bonded: &[bool], base: usize, width: usize) -> u8 {
+    let mut free = u8::MAX;
+    if let Some(bonded) = bonded.get(base..base + width) {
+        for l in 0..width {
+            free &= !(u8::from(bonded[l]) << l);
+        }
+        free &= u8::MAX >> (WIDTH - width);
+    }
+    free
 }
 
 /// Pairs ahead whose other particles are asked for.
