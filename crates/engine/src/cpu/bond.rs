@@ -3,11 +3,15 @@
 //! The force of its bonds on a particle is summed from zero: those in which it has the lower id, by the other's id,
 //! ascending; then those in which it has the higher id, by the other's id, ascending. Stage `gather` adds this sum to
 //! that of the contacts. Each bond is evaluated once, by its particle of the lower id.
+//!
+//! One loop, written for one number here and for eight in `bond/eight.rs`; both call the same laws and give the same bits.
+
+mod eight;
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
 use super::pieces::split;
-use super::{CHUNK, Cpu};
+use super::{CHUNK, Cpu, Width};
 use crate::energy_accounts::DAMPING;
 use crate::evaluate::quaternion;
 use crate::{BondHistory, Breakage};
@@ -59,6 +63,9 @@ pub(super) struct Rows<'a> {
     lost: Vec<f64>,
 }
 
+/// Evaluates the bonds of a chunk and returns those that fail.
+type Loop = fn(&Scene<'_>, &mut Rows<'_>) -> Vec<u32>;
+
 impl Cpu {
     /// Evaluates all bonds that hold, and breaks those that fail.
     pub(super) fn bond_all(&mut self) {
@@ -69,8 +76,13 @@ impl Cpu {
         let mut accounts = std::mem::take(&mut self.bodies.accounts);
         let failed = self.bond_scene().map_or_else(Vec::new, |scene| {
             let booked = if scene.law.damping == Damping::Off { &mut [][..] } else { &mut accounts };
+            let evaluate: Loop = match self.options.width {
+                Width::One => rows_scalar,
+                Width::Portable => eight::rows_portable,
+                Width::Widest => eight::rows_widest,
+            };
             let mut tasks = tasks(&self.bonds, &mut written, booked);
-            tasks.par_iter_mut().flat_map_iter(|rows| rows_scalar(&scene, rows)).collect()
+            tasks.par_iter_mut().flat_map_iter(|rows| evaluate(&scene, rows)).collect()
         });
         self.bonds.written = written;
         self.bodies.accounts = accounts;

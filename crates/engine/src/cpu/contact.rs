@@ -5,15 +5,13 @@
 
 mod eight;
 
-pub(super) use eight::rows_eight;
-
 use super::bodies::{Bodies, Quad, sphere};
 use super::neighbours::reaction_stride;
 use super::pieces::split;
-use super::wide::{rows_portable, rows_widest};
 use super::{CHUNK, Cpu, Width};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
+use eight::{rows_portable, rows_widest};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::lever_arm;
