@@ -37,7 +37,8 @@ pub struct Breakage {
     pub step: u64,
     /// What it failed in.
     pub failure: Failure,
-    /// Energy that left with it, J; see [`tdem_physics::bond::released_energy`].
+    /// Energy that left with it, J: [`tdem_physics::bond::released_energy`], less
+    /// [`tdem_physics::contact::begun_energy`] where the particles overlap and its end lets contact begin.
     pub energy: f64,
 }
 

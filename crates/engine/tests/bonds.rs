@@ -344,6 +344,25 @@ fn the_ledger_closes_when_a_chain_breaks() {
 }
 
 #[test]
+fn the_ledger_closes_when_contact_takes_over_from_a_bond() {
+    let cement = Cement { shear_strength: 2e4, ..CEMENT };
+    let errors = [1e-5, 5e-6, 2.5e-6].map(|dt| {
+        let mut plan = free_space(ELASTIC, Joint { cement, ..JOINT });
+        plan.dt = dt;
+        let mut state = spheres(&[([0.0; 3], RADIUS), ([1.9 * RADIUS, 0.0, 0.0], RADIUS)], DENSITY);
+        bond_neighbours(&mut state, &plan);
+        state.velocity = vec![[0.1, -0.6, 0.0], [-0.1, 0.6, 0.0]];
+        let end = after(&state, &plan, (2e-3 / dt) as u64);
+        let ledger = Ledger::of(&end, &plan);
+        assert!(ledger.broken_bonds == 1 && ledger.damping_dissipated > 0.0, "they part after a contact: {ledger:?}");
+        // The contact begins with much more than the bond ever held.
+        assert!(ledger.breakage_dissipated < -1e-4, "{ledger:?}");
+        (ledger.energy_error / ledger.breakage_dissipated).abs()
+    });
+    assert!(errors[2] < 0.01 && errors[2] < errors[0], "{errors:?}");
+}
+
+#[test]
 fn what_does_not_fit_is_refused() {
     let plan = free_space(ELASTIC, JOINT);
     let good = chain(3, &plan);

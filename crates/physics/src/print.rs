@@ -29,8 +29,8 @@ mod formulas;
 mod members;
 
 pub use bonds::{
-    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, FreeStrain, LocalDamping,
-    ReversedHistory, TurnOrientation,
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, FreeStrain,
+    LocalDamping, ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage,
@@ -199,6 +199,7 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
         entry(&BondLoss),
         entry(&BondEnergy),
         entry(&BondRelease),
+        entry(&ContactBegun),
         entry(&TurnOrientation),
         entry(&LocalDamping),
     ]

@@ -176,6 +176,12 @@ fn what_bonds_need_has_the_bits_of_the_law() {
         let (first, second, offset) = rng.bonded_spheres();
         (first, second, offset, rng.load(), rng.bond(), rng.dt())
     });
+    alone(print::ContactBegun, |rng| {
+        let (first, second) = (rng.sphere(), rng.sphere());
+        let radius_sum = first.radius + second.radius;
+        let touch = touch_spheres(rng.direction() * (radius_sum - rng.overlap(first.radius)), radius_sum);
+        (first, second, touch, rng.interaction(), rng.dt())
+    });
     alone(print::TurnOrientation, |rng| (rng.orientation(), rng.vector(-6, 8), rng.dt()));
     alone(print::LocalDamping, |rng| {
         let velocity = if rng.one_in(4) { rng.displacement(Vec3::zero()) } else { rng.vector(-10, 3) };

@@ -21,7 +21,7 @@ use tdem_physics::bond::{
     Advance, Bond, Damping, Ends, Failure, Form, Joint, Law, Posture, Reaction, Rest, damping, released_energy,
     respond_incremental, respond_total,
 };
-use tdem_physics::contact::{Period, Sphere};
+use tdem_physics::contact::{Encounter, Period, Sphere, begun_energy, touch_spheres};
 
 /// What a bond loop reads.
 #[derive(Clone, Copy)]
@@ -121,7 +121,9 @@ impl Cpu {
         let Some(scene) = self.bond_scene() else { return };
         let earlier = self.bonds.written.history.get(slot);
         let (_, reaction) = scene.respond(slot, earlier);
-        let energy = released_energy(&scene.ends(slot), &reaction.load, &scene.numbers(slot), scene.step);
+        let ends = scene.ends(slot);
+        let released = released_energy(&ends, &reaction.load, &scene.numbers(slot), scene.step);
+        let energy = released - self.begun_contact(slot, &ends);
         let (i, j) = scene.pair(slot);
         let step = self.step;
         self.bonds.entry(slot).breakage =
@@ -131,6 +133,18 @@ impl Cpu {
             *history = BondHistory::default();
         }
         self.neighbours.release(i, j);
+    }
+
+    /// Energy of the contact that begins with the end of a bond, J.
+    fn begun_contact(&self, slot: usize, ends: &Ends<f64>) -> f64 {
+        let touch = touch_spheres(ends.offset, ends.first.radius + ends.second.radius);
+        let beside = self.plan.bonds.as_ref().is_some_and(|bonds| bonds.contact_in_bonded_pairs);
+        if beside || touch.overlap <= 0.0 {
+            return 0.0;
+        }
+        let [i, j] = [self.bonds.owner[slot], self.bonds.other[slot]].map(|k| self.bodies.material[k as usize]);
+        let encounter = Encounter::of_spheres(&ends.first, &ends.second, &touch, true);
+        begun_energy(&encounter, self.plan.interaction(i, j), self.history_step)
     }
 }
 

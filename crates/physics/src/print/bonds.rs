@@ -4,7 +4,7 @@ use super::Formula;
 use crate::bond::{
     self, Advance, Bond, Damping, Ends, History, Joint, Modes, Posture, Reaction, Rest, Tension, damping, expansion,
 };
-use crate::contact::Sphere;
+use crate::contact::{self, Encounter, Interaction, Sphere, Touch};
 use crate::motion::local_damping;
 use crate::motion::orientation::Quaternion;
 use crate::{Real, Vec3};
@@ -176,6 +176,23 @@ impl Formula for BondRelease {
     #[inline(always)]
     fn apply<R: Real>(&self, (first, second, offset, load, bond, dt): Self::Input<R>) -> Self::Output<R> {
         (bond::released_energy(&Ends { first, second, offset }, &load, &bond, dt),)
+    }
+}
+
+/// [`contact::begun_energy`].
+#[derive(Clone, Copy, Debug)]
+pub struct ContactBegun;
+
+impl Formula for ContactBegun {
+    const NAME: &'static str = "contact_begun";
+    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "pair", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["energy"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Interaction<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second, touch, pair, dt): Self::Input<R>) -> Self::Output<R> {
+        (contact::begun_energy(&Encounter::of_spheres(&first, &second, &touch, true), &pair, dt),)
     }
 }
 

@@ -64,7 +64,8 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
             failed.push(group.slot[l]);
         }
         let active = group.active & !fails;
-        let [force, first, second] = [reaction.force, reaction.first_moment, reaction.second_moment].map(quads);
+        let force = quads(reaction.force);
+        let (first, second) = (quads(reaction.first_moment), quads(reaction.second_moment));
         for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
             rows.keep(group.slot[l] as usize, group.i[l] as usize, &force[l], [&first[l], &second[l]]);
         }
