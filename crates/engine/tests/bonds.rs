@@ -229,7 +229,8 @@ fn a_bond_breaks_at_its_strength() {
             assert!(before.force[0].iter().any(|&f| f.abs() > 0.98 * limit / bond.stress_per_force));
             assert_eq!(broken.force, vec![[0.0; 3]; 2], "a bond that breaks exerts nothing in the same step");
             assert_eq!(broken.moment, vec![[0.0; 3]; 2]);
-            let held = 0.5 * (limit / bond.stress_per_force).powi(2) / stiffness;
+            let force = limit / bond.stress_per_force;
+            let held = 0.5 * force * force / stiffness;
             assert!((breakage.energy / held - 1.0).abs() < 0.02, "{} J, not {held} J", breakage.energy);
             let later = after(&broken, &plan, 50);
             assert_eq!(later.bonds, broken.bonds, "what broke stays broken, with its step and mode");

@@ -179,9 +179,11 @@ impl Scene<'_> {
     fn pair(&self, slot: usize) -> (usize, usize) {
         (self.owner[slot] as usize, self.other[slot] as usize)
     }
+    #[inline(always)]
     fn sphere(&self, i: usize) -> Sphere<f64> {
         sphere(&self.place[i], &self.motion[i], &self.spin[i])
     }
+    #[inline(always)]
     fn ends(&self, slot: usize) -> Ends<f64> {
         let (i, j) = self.pair(slot);
         let offset = self.place[j].vector() - self.place[i].vector();
@@ -201,12 +203,15 @@ impl Scene<'_> {
         }
         Ends { first: settle(ends.first, i), second: settle(ends.second, j), ..*ends }
     }
+    #[inline(always)]
     fn bonded_offset(&self, slot: usize) -> Vec3<f64> {
         self.offset[slot].into()
     }
+    #[inline(always)]
     fn joint(&self, i: usize, j: usize) -> &Joint<f64> {
         &self.joints[usize::from(self.material[i]) * self.materials + usize::from(self.material[j])]
     }
+    #[inline(always)]
     fn numbers(&self, slot: usize) -> Bond<f64> {
         let strength = self.strength[slot];
         if let Some(alike) = self.alike {

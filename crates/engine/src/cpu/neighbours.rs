@@ -95,10 +95,9 @@ impl Neighbours {
     /// Lets contact act between two particles whose bond broke.
     pub(crate) fn release(&mut self, i: usize, j: usize) {
         for (from, to) in [(i, j), (j, i)] {
-            if let Some(pair) = self.row(from).find(|&pair| self.other[pair] as usize == to) {
-                if let Some(bonded) = self.bonded.get_mut(pair) {
-                    *bonded = false;
-                }
+            let pair = self.row(from).find(|&pair| self.other[pair] as usize == to);
+            if let Some(bonded) = pair.and_then(|pair| self.bonded.get_mut(pair)) {
+                *bonded = false;
             }
         }
     }

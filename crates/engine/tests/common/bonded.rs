@@ -102,8 +102,8 @@ pub(crate) fn cracking_block(law: Law, integrator: Integrator) -> (State, Plan) 
     let solid = places.len();
     let top = cells[2] as f64 * LATTICE_CONSTANT + RADIUS;
     for k in 0..12 {
-        let place = [0.006 + 0.02 * (k % 4) as f64, 0.01 + 0.017 * (k / 4) as f64, top + 1e-4 * k as f64];
-        places.push((place, (0.6 + 0.03 * k as f64) * RADIUS));
+        let [column, row, number] = [k % 4, k / 4, k].map(f64::from);
+        places.push(([0.006 + 0.02 * column, 0.01 + 0.017 * row, top + 1e-4 * number], (0.6 + 0.03 * number) * RADIUS));
     }
     let mut state = spheres(&places, DENSITY);
     state.wall_position = vec![[0.0, 0.0, -RADIUS]];

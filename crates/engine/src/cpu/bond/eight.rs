@@ -266,13 +266,11 @@ fn numbers<R: Eight>(
         strength[l] = scene.strength[group.slot[l] as usize];
     }
     let strength = R::from_array(strength);
-    match alike {
-        Some(bond) => bond.with_strength_times(strength),
-        None => {
-            let length = bonded_offset.dot(bonded_offset).sqrt();
-            gather_joints(scene, group).bond(ends.first.radius, ends.second.radius, length, strength)
-        }
+    if let Some(bond) = alike {
+        return bond.with_strength_times(strength);
     }
+    let length = bonded_offset.dot(bonded_offset).sqrt();
+    gather_joints(scene, group).bond(ends.first.radius, ends.second.radius, length, strength)
 }
 
 #[inline(always)]
