@@ -117,6 +117,17 @@ impl Plan {
 }
 
 impl State {
+    /// Bonds particles as they lie: places are remembered and orientations counted from here on. Bonds may come in any
+    /// order, each pair once.
+    pub fn make_bonds(&mut self, mut bonds: Vec<Bond>) {
+        bonds.sort_unstable_by_key(|bond| (bond.first, bond.second));
+        if !bonds.is_empty() {
+            self.orientation = vec![[0.0, 0.0, 0.0, 1.0]; self.len()];
+            self.bonded_position.clone_from(&self.position);
+        }
+        self.bonds = bonds;
+    }
+
     /// From the first particle of a bond to the second when they were bonded, m: the nearest image. The arguments are
     /// indices of particles.
     pub(crate) fn bonded_offset(&self, plan: &Plan, first: usize, second: usize) -> Vec3<f64> {

@@ -36,15 +36,15 @@ use std::sync::Arc;
 pub struct Options {
     /// Threads; `None` takes all cores.
     pub threads: Option<usize>,
-    /// Contacts at a time.
+    /// Contacts and bonds at a time.
     pub width: Width,
-    /// Each pair once, or from both sides.
+    /// Each contact once, or from both sides; bonds are always evaluated once.
     pub list: List,
     /// Width of a search cell relative to the reach of a contact, at least 1.
     pub cell_factor: f64,
 }
 
-/// How many contacts are evaluated at a time, and with which instructions.
+/// How many contacts and bonds are evaluated at a time, and with which instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
     /// One by one. The plain reference.
@@ -79,7 +79,7 @@ impl Default for Options {
 /// its list and so many bonds; [`crate::Simulation::bytes`] tells it of a run that is there.
 #[must_use]
 pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize {
-    let [row, pair] = Neighbours::bytes_each(plan.law);
+    let [row, pair] = Neighbours::bytes_each(plan);
     let [bonded, bond] = Bonds::bytes_each(plan);
     particles * (size_of::<u32>() + Bodies::bytes_each(plan) + row + bonded) + pairs * pair + bonds * bond
 }

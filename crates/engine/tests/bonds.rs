@@ -264,8 +264,7 @@ fn bonds_reach_over_gaps_and_faces_that_repeat() {
     plan.domain.periodic = [true, false, false];
     // A gap of a diameter, through the face at x = 1: beyond any list of neighbours.
     let mut state = spheres(&[([-0.99, 0.0, 0.0], RADIUS), ([0.99, 0.0, 0.0], RADIUS)], DENSITY);
-    bond_neighbours(&mut state, &plan);
-    state.bonds = vec![tdem_engine::Bond::new(0, 1, 1.0)];
+    state.make_bonds(vec![tdem_engine::Bond::new(0, 1, 1.0)]);
     // Thrown through the face and pulled apart a little.
     state.velocity = vec![[-20.0, 0.0, 0.0], [-20.001, 0.0, 0.0]];
     let end = after(&state, &plan, 3_000);

@@ -475,6 +475,7 @@ mod tests {
             ..State::default()
         };
         every_change_is_found(&state);
+        assert!(tensors(&state, &Apart::of(&state)).iter().all(|tensor| !tensor.name.contains("bond")));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::CHUNK;
 use super::pieces::split;
+use crate::Plan;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tdem_physics::contact::{Friction, Law};
@@ -158,9 +159,12 @@ impl Neighbours {
     }
 
     /// Bytes of a half list per particle and per pair.
-    pub(crate) fn bytes_each(law: Law) -> [usize; 2] {
+    pub(crate) fn bytes_each(plan: &Plan) -> [usize; 2] {
+        let law = plan.law;
+        let bonded = plan.bonds.as_ref().map_or(0, |bonds| usize::from(!bonds.contact_in_bonded_pairs));
         let displacement = if law.friction == Friction::Off { 0 } else { size_of::<[f64; 3]>() };
-        let pair = 2 * size_of::<u32>() + size_of::<bool>() + displacement + reaction_stride(law) * size_of::<f64>();
+        let flags = (1 + bonded) * size_of::<bool>();
+        let pair = 2 * size_of::<u32>() + flags + displacement + reaction_stride(law) * size_of::<f64>();
         [2 * size_of::<u32>() + size_of::<[f64; 3]>(), pair]
     }
     pub(crate) fn bytes(&self) -> usize {

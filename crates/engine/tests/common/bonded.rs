@@ -36,19 +36,18 @@ pub(crate) fn free_space(law: Law, joint: Joint<f64>) -> Plan {
 
 /// Bonds all pairs that lie no farther apart than 1.01 of the sum of their radii.
 pub(crate) fn bond_neighbours(state: &mut State, plan: &Plan) {
-    let n = state.len();
+    let (n, mut bonds) = (state.len(), Vec::new());
     let period = plan.domain.period();
-    state.orientation = vec![[0.0, 0.0, 0.0, 1.0]; n];
-    state.bonded_position.clone_from(&state.position);
     for i in 0..n {
         for j in i + 1..n {
             let (a, b) = (state.position[i], state.position[j]);
             let offset = period.nearest([b[0] - a[0], b[1] - a[1], b[2] - a[2]].into());
             if offset.dot(offset).sqrt() < 1.01 * (state.radius[i] + state.radius[j]) {
-                state.bonds.push(Bond::new(state.id[i], state.id[j], 1.0));
+                bonds.push(Bond::new(state.id[i], state.id[j], 1.0));
             }
         }
     }
+    state.make_bonds(bonds);
 }
 
 /// Touching spheres on a face-centred cubic lattice, a corner at the origin.
