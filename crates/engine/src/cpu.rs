@@ -4,6 +4,8 @@
 //! `rank` (its place in the order of ids) decides every order that could change a bit.
 
 mod bodies;
+mod bond;
+mod bonds;
 mod boundary;
 mod contact;
 mod correct;
@@ -25,6 +27,7 @@ pub(crate) use neighbours::indices_by_rank;
 pub(crate) use pieces::split;
 
 use bodies::Bodies;
+use bonds::Bonds;
 use neighbours::Neighbours;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
@@ -34,15 +37,15 @@ use std::sync::Arc;
 pub struct Options {
     /// Threads; `None` takes all cores.
     pub threads: Option<usize>,
-    /// Contacts at a time.
+    /// Contacts and bonds at a time.
     pub width: Width,
-    /// Each pair once, or from both sides.
+    /// Each contact once, or from both sides; bonds are always evaluated once.
     pub list: List,
     /// Width of a search cell relative to the reach of a contact, at least 1.
     pub cell_factor: f64,
 }
 
-/// How many contacts are evaluated at a time, and with which instructions.
+/// How many contacts and bonds are evaluated at a time, and with which instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
     /// One by one. The plain reference.
@@ -74,11 +77,12 @@ impl Default for Options {
 }
 
 /// How many bytes a run of default options will hold, all arrays together but for those of walls, with so many pairs in
-/// its list; [`crate::Simulation::bytes`] tells it of a run that is there.
+/// its list and so many bonds; [`crate::Simulation::bytes`] tells it of a run that is there.
 #[must_use]
-pub fn bytes(plan: &Plan, particles: usize, pairs: usize) -> usize {
-    let [row, pair] = Neighbours::bytes_each(plan.law);
-    particles * (size_of::<u32>() + Bodies::bytes_each(plan) + row) + pairs * pair
+pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize {
+    let [row, pair] = Neighbours::bytes_each(plan);
+    let [bonded, bond] = Bonds::bytes_each(plan);
+    particles * (size_of::<u32>() + Bodies::bytes_each(plan) + row + bonded) + pairs * pair + bonds * bond
 }
 
 /// Particles per task of a parallel loop. Results do not depend on it.
@@ -94,6 +98,7 @@ pub(crate) struct Cpu {
     ids: Vec<u32>,
     bodies: Bodies,
     neighbours: Neighbours,
+    bonds: Bonds,
     wall_position: Vec<[f64; 3]>,
     /// Whether something moved too far for the present list.
     search_due: bool,
@@ -116,6 +121,7 @@ impl Cpu {
             ids: Vec::new(),
             bodies: Bodies::default(),
             neighbours: Neighbours::default(),
+            bonds: Bonds::default(),
             wall_position: Vec::new(),
             search_due: true,
             searches: 0,
@@ -138,6 +144,9 @@ impl Stages for Cpu {
     }
     fn search(&mut self) -> Result<(), Fault> {
         if self.search_due || self.plan.search.every_step { self.list_anew() } else { Ok(()) }
+    }
+    fn bond(&mut self) {
+        self.bond_all();
     }
     fn contact(&mut self) -> Result<(), Fault> {
         self.contact_all()
@@ -165,13 +174,16 @@ impl Backend for Cpu {
                 self.neighbours.displacement.clone(),
                 self.neighbours.wall_displacements(),
                 self.bodies.accounts.clone(),
+                self.bonds.written.history.clone(),
             );
             self.history_step = 0.0;
+            self.bond_all();
             self.contact_all()?;
             self.gather_all();
             self.boundary_all();
             self.history_step = self.plan.dt;
-            let (displacement, wall_displacement, accounts) = kept;
+            let (displacement, wall_displacement, accounts, bond_histories) = kept;
+            self.bonds.written.history = bond_histories;
             self.neighbours.displacement = displacement;
             self.neighbours.restore_wall_displacements(&wall_displacement);
             self.bodies.accounts = accounts;
@@ -183,7 +195,10 @@ impl Backend for Cpu {
         Ok(self.pool.install(|| self.state()).into())
     }
     fn bytes(&self) -> usize {
-        self.bodies.bytes() + self.neighbours.bytes() + std::mem::size_of_val(&self.ids[..])
+        self.bodies.bytes()
+            + self.bonds.bytes(&self.plan)
+            + self.neighbours.bytes()
+            + std::mem::size_of_val(&self.ids[..])
     }
     fn profile(&mut self, steps: u64) -> Result<Profile, Fault> {
         self.profile_all(steps)

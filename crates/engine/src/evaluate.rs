@@ -1,8 +1,10 @@
-//! The contacts of a state, evaluated once more: for the ledger and for whoever shows forces.
+//! The contacts and bonds of a state, evaluated once more: for the ledger and for whoever shows forces.
 
-use crate::{Contact, Plan, State, WallContact};
-use tdem_physics::Vec3;
+use crate::{BondHistory, Contact, Plan, State, WallContact};
+use tdem_physics::bond::{self, Advance, Bond, Ends, Form, History, Posture, Reaction, Rest};
 use tdem_physics::contact::{Encounter, Interaction, Sphere, Touch, respond, stored_energy, touch_spheres, touch_wall};
+use tdem_physics::motion::orientation::Quaternion;
+use tdem_physics::{Vec3, vec3};
 
 /// A contact of a state: how it lies, how it moves, and the force that belongs to it.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +41,55 @@ impl Evaluated<'_> {
     }
 }
 
+/// A bond of a state that holds: where it lies and what it does.
+#[derive(Clone, Copy, Debug)]
+pub struct EvaluatedBond {
+    /// Its particles, and the offset of the second from the first.
+    pub ends: Ends<f64>,
+    /// Its numbers.
+    pub bond: Bond<f64>,
+    /// Forces, moments and stresses.
+    pub reaction: Reaction<f64>,
+}
+
+impl EvaluatedBond {
+    /// Energy in its springs, J.
+    #[must_use]
+    pub fn stored_energy(&self) -> f64 {
+        bond::stored_energy(&self.reaction.load, &self.bond)
+    }
+}
+
 impl State {
+    /// Evaluates the bond of an index in [`State::bonds`]; `None` if there is none or it is broken.
+    #[must_use]
+    pub fn evaluate_bond(&self, plan: &Plan, index: usize) -> Option<EvaluatedBond> {
+        let law = plan.bonds.as_ref()?.law;
+        let pair = self.bonds.get(index).filter(|bond| bond.holds())?;
+        let (i, j) = (self.index_of(pair.first)?, self.index_of(pair.second)?);
+        let (first, second) = (self.sphere(i), self.sphere(j));
+        let ends = Ends { first, second, offset: self.touch(plan, i, j).offset };
+        let bonded_offset = self.bonded_offset(plan, i, j);
+        let bonded_length = bonded_offset.dot(bonded_offset).sqrt();
+        let joint = plan.joint(self.material[i], self.material[j])?;
+        let numbers = joint.bond(first.radius, second.radius, bonded_length, pair.strength);
+        let reaction = match law.form {
+            Form::Total => {
+                let [first_orientation, second_orientation] = [i, j].map(|k| quaternion(self.orientation[k]));
+                let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain: 0.0 };
+                bond::respond_total(law.damping, &ends, &posture, &numbers)
+            }
+            Form::Incremental(tension) => {
+                let unloaded = || History::unloaded(bonded_offset * (1.0 / bonded_length));
+                let earlier = self.bond_histories.get(index).map_or_else(unloaded, BondHistory::law);
+                // A step of zero length: the forces as they are.
+                let advance = Advance { earlier, rest: Rest::of(bonded_length, 0.0, 0.0), step: 0.0 };
+                bond::respond_incremental(tension, law.damping, &ends, &advance, &numbers).1
+            }
+        };
+        Some(EvaluatedBond { ends, bond: numbers, reaction })
+    }
+
     /// Evaluates a pair of particles; `None` if the state has no such particles.
     #[must_use]
     pub fn evaluate<'a>(&self, plan: &'a Plan, contact: &Contact) -> Option<Evaluated<'a>> {
@@ -102,4 +152,9 @@ fn evaluated<'a>(
         Vec3::zero()
     };
     Evaluated { first, touch, encounter, interaction, displacement, force }
+}
+
+/// An orientation as the law has it.
+pub(crate) fn quaternion([x, y, z, scalar]: [f64; 4]) -> Quaternion<f64> {
+    Quaternion { vector: vec3(x, y, z), scalar }
 }

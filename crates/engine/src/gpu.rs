@@ -47,6 +47,9 @@ pub fn bytes(plan: &Plan, particles: usize, pairs: usize) -> usize {
 
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
+    if plan.bonds.is_some() {
+        return Err(Fault::Inconsistent { what: "bonds are computed on the CPU" });
+    }
     Ok(match api {
         Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),
         Api::Cuda => Box::new(Gpu::new(devices::open_cuda(index)?, state, plan)?),

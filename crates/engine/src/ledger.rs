@@ -16,12 +16,16 @@ pub struct Ledger {
     pub elastic_normal: f64,
     /// Stored in tangential springs, J.
     pub elastic_tangential: f64,
+    /// Stored in bonds, J.
+    pub elastic_bonds: f64,
     /// $-\sum m\,\mathbf g\cdot\mathbf x$, images counted, J.
     pub gravitational: f64,
     /// Dissipated by sliding since the start, J.
     pub friction_dissipated: f64,
     /// Dissipated by dashpots since the start, J.
     pub damping_dissipated: f64,
+    /// Gone with bonds that broke, since the start, J.
+    pub breakage_dissipated: f64,
     /// Put into tangential springs by a change of their stiffness since the start, J.
     pub stiffening_work: f64,
     /// Work of walls and prescribed motion since the start, J.
@@ -32,11 +36,15 @@ pub struct Ledger {
     pub contacts: u64,
     /// Particles touching walls, counted per wall.
     pub wall_contacts: u64,
+    /// Bonds that hold.
+    pub bonds: u64,
+    /// Bonds that broke.
+    pub broken_bonds: u64,
     /// Largest speed, m/s.
     pub largest_speed: f64,
     /// Largest overlap of a pair, as a fraction of its mean radius.
     pub largest_overlap: f64,
-    /// Mean size of the resultant force on a particle over mean size of a contact force; 0 without contacts.
+    /// Mean size of the resultant force on a particle over mean size of a force of contacts and bonds; 0 without any.
     pub unbalanced_force_ratio: f64,
     /// Force of the particles on each wall would need a table of its own; this is the sum over all walls, N.
     pub wall_force: [f64; 3],
@@ -92,22 +100,28 @@ impl Ledger {
             sum(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
         let [friction, damping, stiffening, external] = sum(state.accounts.len(), |i| state.accounts[i]);
 
-        let contacts = state.contacts.len() + state.wall_contacts.len();
-        let mean_contact = (pair_force + wall_size) / contacts.max(1) as f64;
+        let [elastic_bonds, bond_force, bonds, released] = sum(state.bonds.len(), |k| of_bond(state, plan, k));
+        let holding = bonds as usize;
+        let contacts = state.contacts.len() + state.wall_contacts.len() + holding;
+        let mean_contact = (pair_force + wall_size + bond_force) / contacts.max(1) as f64;
         let mean_resultant = resultant / state.len().max(1) as f64;
         let mut ledger = Ledger {
             kinetic_translation,
             kinetic_rotation,
             elastic_normal: pair_normal + wall_normal,
             elastic_tangential: pair_tangential + wall_tangential,
+            elastic_bonds,
             gravitational,
             friction_dissipated: friction,
             damping_dissipated: damping,
+            breakage_dissipated: released,
             stiffening_work: stiffening,
             external_work: external,
             energy_error: 0.0,
             contacts: state.contacts.len() as u64,
             wall_contacts: state.wall_contacts.len() as u64,
+            bonds: holding as u64,
+            broken_bonds: (state.bonds.len() - holding) as u64,
             largest_speed,
             largest_overlap,
             unbalanced_force_ratio: if mean_contact > 0.0 { mean_resultant / mean_contact } else { 0.0 },
@@ -115,7 +129,7 @@ impl Ledger {
         };
         if plan.ledger && state.accounts.len() == state.len() {
             ledger.energy_error =
-                ledger.mechanical() + (friction + damping) - stiffening - external - state.initial_energy;
+                ledger.mechanical() + (friction + damping + released) - stiffening - external - state.initial_energy;
         }
         ledger
     }
@@ -127,6 +141,7 @@ impl Ledger {
             + self.kinetic_rotation
             + self.elastic_normal
             + self.elastic_tangential
+            + self.elastic_bonds
             + self.gravitational
     }
     /// Kinetic energy, J.
@@ -142,6 +157,18 @@ fn of_pair(state: &State, plan: &Plan, contact: &Contact) -> ([f64; 3], f64) {
         let [normal, tangential] = found.stored_energy();
         ([normal, tangential, found.force.dot(found.force).sqrt()], state.overlap_ratio(plan, contact).unwrap_or(0.0))
     })
+}
+
+/// Elastic energy and size of the force of a bond, 1 if it holds, and the energy that left with it if not.
+fn of_bond(state: &State, plan: &Plan, bond: usize) -> [f64; 4] {
+    match (state.bonds[bond].breakage, state.evaluate_bond(plan, bond)) {
+        (Some(breakage), _) => [0.0, 0.0, 0.0, breakage.energy],
+        (None, Some(found)) => {
+            let force = found.reaction.force;
+            [found.stored_energy(), force.dot(force).sqrt(), 1.0, 0.0]
+        }
+        (None, None) => [0.0; 4],
+    }
 }
 
 /// Energies and size of the force of a particle at a wall, and the force on the wall.

@@ -10,6 +10,7 @@
 //! The engine does no input or output, and no clock is looked at but for a [`Profile`]. One step is `step.rs`; its stages have the same names as the files of the
 //! back ends, [`cpu`] and [`gpu`].
 
+mod bond;
 mod capture;
 pub mod cpu;
 mod device;
@@ -24,9 +25,10 @@ mod simulation;
 mod state;
 mod step;
 
+pub use bond::{Bond, BondHistory, BondPlan, Breakage};
 pub use capture::Capture;
 pub use device::Device;
-pub use evaluate::Evaluated;
+pub use evaluate::{Evaluated, EvaluatedBond};
 pub use fault::Fault;
 pub use ledger::Ledger;
 pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};

@@ -1,5 +1,6 @@
 //! What stays the same during a run.
 
+use crate::BondPlan;
 use tdem_physics::contact::{Interaction, Law, Period};
 
 /// Laws, walls, boundary conditions and step of a run.
@@ -15,6 +16,8 @@ pub struct Plan {
     pub materials: usize,
     /// Parameters of each pair of materials, `(materials, materials)`, symmetric, row by row.
     pub interactions: Vec<Interaction<f64>>,
+    /// How bonded particles hold together; `None` if none are.
+    pub bonds: Option<BondPlan>,
     /// Walls; their present positions are in [`crate::State::wall_position`].
     pub walls: Vec<Wall>,
     /// $\mathbf g$, m/s².

@@ -39,7 +39,7 @@ pub struct Part {
 }
 
 /// The stages, in the order of a step.
-pub const STAGES: [&str; 6] = ["predict", "search", "contact", "gather", "boundary", "correct"];
+pub const STAGES: [&str; 7] = ["predict", "search", "bond", "contact", "gather", "boundary", "correct"];
 
 impl Profile {
     /// A profile without any step.
@@ -95,17 +95,20 @@ impl Stages for Timed<'_> {
     fn search(&mut self) -> Result<(), Fault> {
         self.time(1, |stages| stages.search())
     }
+    fn bond(&mut self) {
+        self.time(2, |stages| stages.bond());
+    }
     fn contact(&mut self) -> Result<(), Fault> {
-        self.time(2, |stages| stages.contact())
+        self.time(3, |stages| stages.contact())
     }
     fn gather(&mut self) {
-        self.time(3, |stages| stages.gather());
+        self.time(4, |stages| stages.gather());
     }
     fn boundary(&mut self) {
-        self.time(4, |stages| stages.boundary());
+        self.time(5, |stages| stages.boundary());
     }
     fn correct(&mut self) {
-        self.time(5, |stages| stages.correct());
+        self.time(6, |stages| stages.correct());
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a simulation is: all that is needed to go on.
 
-use crate::{Fault, Plan};
+use crate::{Bond, BondHistory, Fault, Plan};
 use xxhash_rust::xxh3::Xxh3;
 
 /// All that is needed to go on, in the order of persistent ids, whatever order a back end works in.
@@ -37,6 +37,12 @@ pub struct State {
     pub force: Vec<[f64; 3]>,
     /// $\mathbf M$, N m, `(N, 3)`.
     pub moment: Vec<[f64; 3]>,
+    /// Which way particles are turned since they were bonded, `(N, 4)`: a unit quaternion x, y, z, w, lab from body; empty
+    /// without bonds.
+    pub orientation: Vec<[f64; 4]>,
+    /// $\mathbf x$ of each particle when bonds were made, inside the domain, m, `(N, 3)`: offsets between them are those
+    /// of nearest images; empty without bonds.
+    pub bonded_position: Vec<[f64; 3]>,
     /// Gear's scaled second to fifth derivatives, m, `(N, 4, 3)`; empty under velocity Verlet.
     pub derivatives: Vec<[[f64; 3]; 4]>,
     /// Energy accounts of each particle, J, `(N, 4)`, see [`energy_accounts`]; empty without ledger.
@@ -47,6 +53,10 @@ pub struct State {
     pub contacts: Vec<Contact>,
     /// Particles that touch walls, ascending by (particle, wall).
     pub wall_contacts: Vec<WallContact>,
+    /// Bonds, broken ones too, strictly ascending by (first, second).
+    pub bonds: Vec<Bond>,
+    /// What bonds remember, one for each; empty in the total form, and as long as no forces are known.
+    pub bond_histories: Vec<BondHistory>,
 }
 
 /// Columns of [`State::accounts`], each summed over all steps.
@@ -131,6 +141,16 @@ impl State {
             contact.displacement.iter().for_each(|&v| word(real(v)));
         }
         self.accounts.iter().flatten().for_each(|&v| word(real(v)));
+        self.orientation.iter().flatten().for_each(|&v| word(real(v)));
+        self.bonded_position.iter().flatten().for_each(|&v| word(real(v)));
+        for bond in &self.bonds {
+            word(bond.first.into());
+            word(bond.second.into());
+            word(real(bond.strength));
+            let broken = bond.breakage.map(|b| [b.step, b.failure.code().to_bits(), real(b.energy)]);
+            broken.unwrap_or_default().into_iter().for_each(&mut word);
+        }
+        self.bond_histories.iter().flat_map(BondHistory::numbers).for_each(|v| word(real(v)));
         hasher.digest128()
     }
 }
@@ -182,6 +202,7 @@ impl State {
                     .iter()
                     .all(|c| (c.wall as usize) < plan.walls.len() && self.index_of(c.particle).is_some()),
             "wall contacts ascend and name particles and walls that exist",
-        )
+        )?;
+        self.validate_bonds(plan)
     }
 }

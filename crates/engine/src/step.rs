@@ -9,11 +9,13 @@ pub(crate) trait Stages {
     fn predict(&mut self) -> Result<(), Fault>;
     /// Lists neighbours anew if something moved too far since the last time, and carries histories over.
     fn search(&mut self) -> Result<(), Fault>;
-    /// Forces and moments of touching pairs.
+    /// Forces and moments of bonded pairs; breaks those that fail.
+    fn bond(&mut self);
+    /// Forces and moments of touching pairs; a bond that broke just now no longer keeps contact off.
     fn contact(&mut self) -> Result<(), Fault>;
-    /// Adds to each particle what others keep for it, then walls.
+    /// Adds to each particle what others keep for it, then walls, then the sum of its bonds.
     fn gather(&mut self);
-    /// Gravity and the work of prescribed motion.
+    /// Gravity, local damping, and the work of prescribed motion.
     fn boundary(&mut self);
     /// Corrects velocities by the forces of the end of the step.
     fn correct(&mut self);
@@ -23,6 +25,7 @@ pub(crate) trait Stages {
 pub(crate) fn step(stages: &mut dyn Stages) -> Result<(), Fault> {
     stages.predict()?;
     stages.search()?;
+    stages.bond();
     stages.contact()?;
     stages.gather();
     stages.boundary();

@@ -209,3 +209,13 @@ pub fn released_energy<R: Real>(
     let stiffness = interaction.tangential_stiffness * (encounter.radius_eff * earlier_overlap).sqrt();
     R::lit(0.5) * stiffness * displacement.dot(displacement)
 }
+
+/// Elastic energy of a contact that begins at a finite overlap, because the bond breaks that kept it off, J:
+/// $\tfrac25\,\tfrac43E^*\sqrt{R^*}\,h^{5/2}$ at the overlap of the middle of the step, as
+/// [`crate::bond::released_energy`] has it.
+#[inline(always)]
+pub fn begun_energy<R: Real>(encounter: &Encounter<R>, interaction: &Interaction<R>, step: R) -> R {
+    let normal_speed = encounter.relative_velocity.dot(encounter.normal);
+    let overlap = (encounter.overlap + R::lit(0.5) * step * normal_speed).max(R::lit(0.0));
+    stored_energy(encounter.radius_eff, overlap, Vec3::zero(), interaction).0
+}

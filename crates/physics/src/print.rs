@@ -29,8 +29,8 @@ mod formulas;
 mod members;
 
 pub use bonds::{
-    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRest, BondTotal, FreeStrain, LocalDamping, ReversedHistory,
-    TurnOrientation,
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, FreeStrain,
+    LocalDamping, ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage,
@@ -39,7 +39,9 @@ pub use formulas::{
 };
 pub use members::{Members, Parameter, Parameters};
 
-use crate::bond::{self, Advance, Bond, Cement, Coefficients, Form, History, Modes, Posture, Reaction, Rest, Stress};
+use crate::bond::{
+    self, Advance, Bond, Cement, Coefficients, Form, History, Joint, Modes, Posture, Reaction, Rest, Stress,
+};
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
@@ -168,6 +170,7 @@ pub fn bond_types() -> String {
         Modes::<Symbol>::definition(),
         Coefficients::<Symbol>::definition(),
         Cement::<Symbol>::definition(),
+        Joint::<Symbol>::definition(),
         Bond::<Symbol>::definition(),
         Posture::<Symbol>::definition(),
         Rest::<Symbol>::definition(),
@@ -195,6 +198,8 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
         entry(&ReversedHistory),
         entry(&BondLoss),
         entry(&BondEnergy),
+        entry(&BondRelease),
+        entry(&ContactBegun),
         entry(&TurnOrientation),
         entry(&LocalDamping),
     ]

@@ -6,7 +6,9 @@ use std::fs;
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use tdem_physics::bond::{self, Advance, Bond, Cement, History, Modes, Posture, Reaction, Rest, Section, Tension};
+use tdem_physics::bond::{
+    self, Advance, Bond, Cement, History, Joint, Modes, Posture, Reaction, Rest, Section, Tension,
+};
 use tdem_physics::contact::{
     Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
@@ -157,7 +159,11 @@ fn bonds_in_incremental_form_have_the_bits_of_the_law() {
 
 #[test]
 fn what_bonds_need_has_the_bits_of_the_law() {
-    alone(print::BondBetween, |rng| (rng.cement(), rng.size(-12, -2), rng.size(-12, -2), rng.size(30, 50)));
+    alone(print::BondBetween, |rng| {
+        let joint =
+            Joint { cement: rng.cement(), stiffness_per_area: rng.size(30, 50), young_modulus: rng.size(20, 40) };
+        (joint, rng.size(-12, -2), rng.size(-12, -2), rng.size(-12, -2), rng.size(-2, 2))
+    });
     alone(print::FreeStrain, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.size(-12, -2), rng.number(-16, -6)));
     alone(print::BondRest, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.number(-16, -6)));
     alone(print::ReversedHistory, |rng| (rng.history(),));
@@ -165,14 +171,16 @@ fn what_bonds_need_has_the_bits_of_the_law() {
         let (first, second, offset) = rng.bonded_spheres();
         (first, second, rng.sphere(), rng.sphere(), offset, rng.bond(), rng.dt())
     });
-    alone(print::BondEnergy, |rng| {
-        let load = Modes {
-            normal: rng.number(-10, 10),
-            shear: rng.vector(-10, 10),
-            torsion: rng.number(-20, 0),
-            bending: rng.vector(-20, 0),
-        };
-        (load, rng.bond())
+    alone(print::BondEnergy, |rng| (rng.load(), rng.bond()));
+    alone(print::BondRelease, |rng| {
+        let (first, second, offset) = rng.bonded_spheres();
+        (first, second, offset, rng.load(), rng.bond(), rng.dt())
+    });
+    alone(print::ContactBegun, |rng| {
+        let (first, second) = (rng.sphere(), rng.sphere());
+        let radius_sum = first.radius + second.radius;
+        let touch = touch_spheres(rng.direction() * (radius_sum - rng.overlap(first.radius)), radius_sum);
+        (first, second, touch, rng.interaction(), rng.dt())
     });
     alone(print::TurnOrientation, |rng| (rng.orientation(), rng.vector(-6, 8), rng.dt()));
     alone(print::LocalDamping, |rng| {
@@ -301,6 +309,14 @@ impl Rng {
         let (vector, scalar) = (self.vector(-12, 0), self.number(-1, 0));
         let inverse = 1.0 / (vector.dot(vector) + scalar * scalar).sqrt();
         Quaternion { vector: vector * inverse, scalar: scalar * inverse }
+    }
+    fn load(&mut self) -> Modes<f64> {
+        Modes {
+            normal: self.number(-10, 10),
+            shear: self.vector(-10, 10),
+            torsion: self.number(-20, 0),
+            bending: self.vector(-20, 0),
+        }
     }
     fn cement(&mut self) -> Cement<f64> {
         let strength = |rng: &mut Rng| if rng.one_in(3) { f64::INFINITY } else { rng.size(12, 40) };

@@ -12,7 +12,8 @@ use serde_json::{Map, Value, json};
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tdem_engine::{Contact, State, WallContact};
+use tdem_engine::physics::bond::Failure;
+use tdem_engine::{Bond, BondHistory, Breakage, Contact, State, WallContact};
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -185,6 +186,41 @@ struct Apart {
     slips: Vec<[f64; 3]>,
     wall_pairs: Vec<[u32; 2]>,
     wall_slips: Vec<[f64; 3]>,
+    bonds: Bonds,
+}
+
+/// The bonds of a state, field by field; a bond that holds broke in step 0, of nothing and with no energy.
+struct Bonds {
+    pairs: Vec<[u32; 2]>,
+    strength: Vec<f64>,
+    broken_at: Vec<u64>,
+    failure: Vec<u8>,
+    energy: Vec<f64>,
+    histories: Vec<[f64; 10]>,
+}
+
+impl Bonds {
+    fn of(state: &State) -> Self {
+        let bonds = &state.bonds;
+        let broken = |bond: &Bond| bond.breakage.map_or((0, 0, 0.0), |b| (b.step, b.failure.code() as u8, b.energy));
+        Bonds {
+            pairs: bonds.par_iter().map(|bond| [bond.first, bond.second]).collect(),
+            strength: bonds.par_iter().map(|bond| bond.strength).collect(),
+            broken_at: bonds.par_iter().map(|bond| broken(bond).0).collect(),
+            failure: bonds.par_iter().map(|bond| broken(bond).1).collect(),
+            energy: bonds.par_iter().map(|bond| broken(bond).2).collect(),
+            histories: state.bond_histories.par_iter().map(numbers_of).collect(),
+        }
+    }
+}
+
+fn numbers_of(history: &BondHistory) -> [f64; 10] {
+    let BondHistory { normal: n, tension, shear: s, couple: c } = *history;
+    [n[0], n[1], n[2], tension, s[0], s[1], s[2], c[0], c[1], c[2]]
+}
+
+fn history_of([nx, ny, nz, tension, sx, sy, sz, cx, cy, cz]: [f64; 10]) -> BondHistory {
+    BondHistory { normal: [nx, ny, nz], tension, shear: [sx, sy, sz], couple: [cx, cy, cz] }
 }
 
 impl Apart {
@@ -198,6 +234,7 @@ impl Apart {
             slips: contacts.par_iter().map(|contact| contact.displacement).collect(),
             wall_pairs: walls.par_iter().map(|contact| [contact.particle, contact.wall]).collect(),
             wall_slips: walls.par_iter().map(|contact| contact.displacement).collect(),
+            bonds: Bonds::of(state),
         }
     }
 }
@@ -221,10 +258,12 @@ macro_rules! element {
 }
 element! {
     u8: U8 [], u16: U16 [], u32: U32 [], u64: U64 [], f64: F64 [],
-    [u32; 2]: U32 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [[f64; 3]; 4]: F64 [4, 3],
+    [u32; 2]: U32 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [f64; 10]: F64 [10],
+    [[f64; 3]; 4]: F64 [4, 3],
 }
 
-/// All fields of a state. Wide numbers come first, so that every tensor is aligned.
+/// All fields of a state; those of bonds only where there are some. Wide numbers come first, so that every tensor is
+/// aligned.
 fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
     // No `..`: a field that is added to the state must be added here.
     let State {
@@ -242,13 +281,18 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
         angular_velocity,
         force,
         moment,
+        orientation,
+        bonded_position,
         derivatives,
         accounts,
         wall_position,
         contacts: _,
         wall_contacts: _,
+        bonds,
+        bond_histories: _,
     } = state;
-    vec![
+    let of_bonds = &apart.bonds;
+    let mut tensors = vec![
         Tensor::new("step", &apart.step),
         Tensor::new("initial_energy", &apart.initial_energy),
         Tensor::new("radius", radius),
@@ -263,14 +307,35 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
         Tensor::new("wall_position", wall_position),
         Tensor::new("contacts.displacement", &apart.slips),
         Tensor::new("wall_contacts.displacement", &apart.wall_slips),
+    ];
+    if !bonds.is_empty() {
+        tensors.extend([
+            Tensor::new("orientation", orientation),
+            Tensor::new("bonded_position", bonded_position),
+            Tensor::new("bonds.strength", &of_bonds.strength),
+            Tensor::new("bonds.broken_at", &of_bonds.broken_at),
+            Tensor::new("bonds.energy", &of_bonds.energy),
+            Tensor::new("bonds.history", &of_bonds.histories),
+        ]);
+    }
+    tensors.extend([
         Tensor::new("id", id),
         Tensor::new("image", image),
         Tensor::new("contacts.pair", &apart.pairs),
         Tensor::new("wall_contacts.pair", &apart.wall_pairs),
+    ]);
+    if !bonds.is_empty() {
+        tensors.push(Tensor::new("bonds.pair", &of_bonds.pairs));
+    }
+    tensors.extend([
         Tensor::new("material", material),
         Tensor::new("constraint", constraint),
         Tensor::new("forces_known", &apart.forces_known),
-    ]
+    ]);
+    if !bonds.is_empty() {
+        tensors.push(Tensor::new("bonds.failure", &of_bonds.failure));
+    }
+    tensors
 }
 
 /// The header of the file. The format is simple enough to be written here; the library would need all tensors
@@ -333,6 +398,31 @@ impl Reader<'_> {
         Ok(pairs.into_iter().zip(displacements).map(|(pair, displacement)| make(pair, displacement)).collect())
     }
 
+    /// A tensor of bonds, which a checkpoint without any lacks.
+    fn of_bonds<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
+        if self.tensors.tensor("bonds.pair").is_ok() { self.rows(tensor) } else { Ok(Vec::new()) }
+    }
+    fn bonds(&self) -> Result<Vec<Bond>, Damage> {
+        let pairs = self.of_bonds::<[u32; 2]>("bonds.pair")?;
+        let strength = self.of_bonds::<f64>("bonds.strength")?;
+        let broken_at = self.of_bonds::<u64>("bonds.broken_at")?;
+        let failure = self.of_bonds::<u8>("bonds.failure")?;
+        let energy = self.of_bonds::<f64>("bonds.energy")?;
+        if [strength.len(), broken_at.len(), failure.len(), energy.len()] != [pairs.len(); 4] {
+            return Err(Damage::Layout { tensor: "bonds.pair" });
+        }
+        let bond = |k: usize| {
+            let [first, second] = pairs[k];
+            let breakage = match (broken_at[k], Failure::of_code(failure[k].into())) {
+                (0, None) => None,
+                (step @ 1.., Some(failure)) => Some(Breakage { step, failure, energy: energy[k] }),
+                _ => return Err(Damage::Layout { tensor: "bonds.failure" }),
+            };
+            Ok(Bond { first, second, strength: strength[k], breakage })
+        };
+        (0..pairs.len()).map(bond).collect()
+    }
+
     fn state(&self) -> Result<State, Damage> {
         Ok(State {
             step: self.one("step")?,
@@ -349,6 +439,8 @@ impl Reader<'_> {
             angular_velocity: self.rows("angular_velocity")?,
             force: self.rows("force")?,
             moment: self.rows("moment")?,
+            orientation: self.of_bonds("orientation")?,
+            bonded_position: self.of_bonds("bonded_position")?,
             derivatives: self.rows("derivatives")?,
             accounts: self.rows("accounts")?,
             wall_position: self.rows("wall_position")?,
@@ -360,6 +452,8 @@ impl Reader<'_> {
                 "wall_contacts.displacement",
                 |[particle, wall], displacement| WallContact { particle, wall, displacement },
             )?,
+            bonds: self.bonds()?,
+            bond_histories: self.of_bonds("bonds.history")?.into_iter().map(history_of).collect(),
         })
     }
 }
@@ -380,9 +474,29 @@ mod tests {
             contacts: vec![Contact { first: 0, second: 1, displacement: [1.0, 2.0, 3.0] }],
             ..State::default()
         };
+        every_change_is_found(&state);
+        assert!(tensors(&state, &Apart::of(&state)).iter().all(|tensor| !tensor.name.contains("bond")));
+    }
+
+    #[test]
+    fn a_change_of_any_byte_of_bonds_is_found() {
+        let breakage = Some(Breakage { step: 7, failure: Failure::Shear, energy: 1e-3 });
+        let history = BondHistory { normal: [1.0, 2.0, 3.0], tension: 4.0, shear: [5.0, 6.0, 7.0], couple: [8.0; 3] };
+        every_change_is_found(&State {
+            step: 12,
+            id: vec![0, 1, 5],
+            orientation: vec![[0.0, 0.0, 0.6, 0.8]; 3],
+            bonded_position: vec![[0.1, 0.2, 0.3]; 3],
+            bonds: vec![Bond::new(0, 1, 0.75), Bond { breakage, ..Bond::new(1, 5, 1.0) }],
+            bond_histories: vec![history, BondHistory::default()],
+            ..State::default()
+        });
+    }
+
+    fn every_change_is_found(state: &State) {
         let folder = tempfile::tempdir().unwrap();
-        let good = fs::read(write(folder.path(), &state).unwrap()).unwrap();
-        assert_eq!(decode(&good), Ok(state));
+        let good = fs::read(write(folder.path(), state).unwrap()).unwrap();
+        assert_eq!(decode(&good).as_ref(), Ok(state));
         for place in 0..good.len() {
             // Every bit, and a space that becomes another kind of white space.
             for change in [1, 2, 4, 8, 16, 32, 64, 128, 0x2d] {

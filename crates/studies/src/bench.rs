@@ -176,6 +176,7 @@ fn plan(block: &ContactBlock) -> Plan {
         law: block.law,
         materials: 1,
         interactions: vec![interaction],
+        bonds: None,
         walls: Vec::new(),
         gravity: [0.0, 0.0, -9.81],
         constraints: vec![Constraint::FREE],
@@ -290,7 +291,7 @@ mod tests {
                 let found = contact(&block, &Options::default().into()).unwrap();
                 // In a crystal just the touching pairs are listed.
                 let pairs = 0.5 * found.contacts_per_particle * found.particles as f64;
-                let expected = cpu::bytes(&plan(&block), found.particles, pairs.round() as usize);
+                let expected = cpu::bytes(&plan(&block), found.particles, pairs.round() as usize, 0);
                 let expected = expected as f64 / found.particles as f64;
                 assert!((found.bytes_per_particle - expected).abs() < 0.1, "{block:?}: {found:?}, not {expected}");
             }

@@ -67,7 +67,7 @@ impl Memory {
         let optional = if gear { 96 } else { 0 } + if plan.ledger { 32 } else { 0 };
         let contacts = NEIGHBOURS / 2 * size_of::<Contact>();
         let state = particles * (fixed + optional + contacts);
-        let arrays = cpu::bytes(plan, particles, particles * NEIGHBOURS / 2);
+        let arrays = cpu::bytes(plan, particles, particles * NEIGHBOURS / 2, 0);
         let frame = particles
             * frames.map_or(0, |fields| match (fields.contacts, fields.precision) {
                 (false, _) => FRAME,
@@ -204,6 +204,7 @@ impl<'c> Context<'c> {
             law: law(case),
             materials: self.materials.len(),
             interactions,
+            bonds: None,
             walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
             gravity: case.gravity,
             constraints,

@@ -43,6 +43,8 @@ pub(crate) struct Bodies {
     pub(crate) motion: Vec<Quad>,
     /// Angular velocity, rad/s; the fourth number is not used.
     pub(crate) spin: Vec<Quad>,
+    /// Which way particles are turned, a quaternion x, y, z, w; optional.
+    pub(crate) orientation: Vec<Quad>,
     /// N; the fourth number is not used.
     pub(crate) force: Vec<Quad>,
     /// N m; optional; the fourth number is not used.
@@ -74,6 +76,7 @@ impl Bodies {
             place: quads(&state.position, &state.radius),
             motion: quads(&state.velocity, &state.mass),
             spin: state.angular_velocity.iter().map(|&v| Quad::new(v, 0.0)).collect(),
+            orientation: state.orientation.iter().map(|&orientation| Quad(orientation)).collect(),
             force: state.force.iter().map(|&v| Quad::new(v, 0.0)).collect(),
             moment: if plan.law.moments {
                 state.moment.iter().map(|&v| Quad::new(v, 0.0)).collect()
@@ -113,6 +116,7 @@ impl Bodies {
         take(&mut self.place, order);
         take(&mut self.motion, order);
         take(&mut self.spin, order);
+        take(&mut self.orientation, order);
         take(&mut self.force, order);
         take(&mut self.moment, order);
         take(&mut self.material, order);
@@ -138,6 +142,7 @@ impl Bodies {
         let (gear, moments) = (plan.integrator == Integrator::Gear, plan.law.moments);
         let optional = [
             (moments, size_of::<Quad>()),
+            (plan.bonds.is_some(), size_of::<Quad>()),
             (plan.domain.period().any(), size_of::<[i32; 3]>()),
             (gear, size_of::<[[f64; 3]; 4]>()),
             (plan.ledger, size_of::<[f64; 4]>()),
@@ -155,6 +160,7 @@ impl Bodies {
             + size(&self.place)
             + size(&self.motion)
             + size(&self.spin)
+            + size(&self.orientation)
             + size(&self.force)
             + size(&self.moment)
             + size(&self.material)

@@ -1,32 +1,51 @@
-//! Stage `boundary`: gravity, and the work of prescribed motion.
+//! Stage `boundary`: gravity, local damping, and the work of prescribed motion.
 
 use super::bodies::Quad;
+use super::correct::hold;
 use super::predict::optional;
 use super::{CHUNK, Cpu};
-use crate::energy_accounts::EXTERNAL;
+use crate::energy_accounts::{DAMPING, EXTERNAL};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
+use tdem_physics::motion::local_damping;
 
 impl Cpu {
-    /// Adds gravity to all particles and books what it takes to hold prescribed components.
+    /// Adds gravity to all particles, damps them, and books what it takes to hold prescribed components.
     pub(super) fn boundary_all(&mut self) {
         let gravity: Vec3<f64> = self.plan.gravity.into();
         let (constraints, step, ledger) = (&self.plan.constraints, self.history_step, self.plan.ledger);
+        let local_damping = self.plan.bonds.as_ref().map_or(0.0, |bonds| bonds.local_damping);
         let bodies = &mut self.bodies;
         (
             bodies.force.par_chunks_mut(CHUNK),
             bodies.motion.par_chunks(CHUNK),
+            bodies.spin.par_chunks(CHUNK),
             bodies.constraint.par_chunks(CHUNK),
             optional(&mut bodies.moment),
             optional(&mut bodies.accounts),
+            optional(&mut bodies.kick),
+            optional(&mut bodies.twist),
         )
             .into_par_iter()
-            .for_each(|(force, motion, constraint, moment, accounts)| {
+            .for_each(|(force, motion, spin, constraint, moment, accounts, kick, twist)| {
                 for i in 0..force.len() {
                     let total = force[i].vector() + gravity * motion[i].scalar();
                     force[i].set_vector(total);
-                    if ledger && constraint[i] != 0 {
-                        let constraint = &constraints[usize::from(constraint[i])];
+                    let constrained = constraint[i] != 0;
+                    let constraint = &constraints[usize::from(constraint[i])];
+                    if local_damping > 0.0 {
+                        let [kick, twist] = [&*kick, &*twist].map(|k| k.get(i).copied().unwrap_or_default().vector());
+                        let velocity = motion[i].vector();
+                        let mut taken = damp(&mut force[i], velocity, kick, &constraint.velocity, local_damping);
+                        if let Some(moment) = moment.get_mut(i) {
+                            let (velocity, prescribed) = (spin[i].vector(), &constraint.angular_velocity);
+                            taken += damp(moment, velocity, twist, prescribed, local_damping);
+                        }
+                        if ledger {
+                            accounts[i][DAMPING] += taken * step;
+                        }
+                    }
+                    if ledger && constrained {
                         accounts[i][EXTERNAL] -= power(&force[i], &constraint.velocity) * step;
                         if let Some(moment) = moment.get(i) {
                             accounts[i][EXTERNAL] -= power(moment, &constraint.angular_velocity) * step;
@@ -35,6 +54,22 @@ impl Cpu {
                 }
             });
     }
+}
+
+/// Damps a force or moment in the components that it governs, and tells the power that this takes, W: at the velocity of
+/// the end of the step as well as it is known, which is `velocity` and once more its last change, `kick`.
+#[inline(always)]
+fn damp(
+    force: &mut Quad,
+    velocity: Vec3<f64>,
+    kick: Vec3<f64>,
+    prescribed: &[Option<f64>; 3],
+    coefficient: f64,
+) -> f64 {
+    let whole = force.vector();
+    let damped = hold(local_damping::damped(whole, velocity, coefficient), whole, prescribed);
+    force.set_vector(damped);
+    (whole - damped).dot(velocity + kick)
 }
 
 /// Power of the forces on prescribed components, W.

@@ -5,15 +5,13 @@
 
 mod eight;
 
-pub(super) use eight::rows_eight;
-
 use super::bodies::{Bodies, Quad, sphere};
 use super::neighbours::reaction_stride;
 use super::pieces::split;
-use super::wide::{rows_portable, rows_widest};
 use super::{CHUNK, Cpu, Width};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
+use eight::{rows_portable, rows_widest};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::lever_arm;
@@ -48,6 +46,8 @@ pub(super) struct Rows<'a> {
     /// Of all rows, from here on of these rows only.
     other: &'a [u32],
     touching: &'a mut [bool],
+    /// Pairs in which no contact acts, because their bond holds; empty if there are none.
+    bonded: &'a [bool],
     displacement: &'a mut [[f64; 3]],
     reaction: &'a mut [f64],
     /// Forces on these particles, by their own rows.
@@ -149,6 +149,7 @@ impl Cpu {
                 start: &list.start[first..=end],
                 other: &list.other[pairs[chunk]..pairs[chunk + 1]],
                 touching: touching.next().unwrap_or_default(),
+                bonded: list.bonded.get(pairs[chunk]..pairs[chunk + 1]).unwrap_or_default(),
                 displacement: displacement.next().unwrap_or_default(),
                 reaction: reaction.next().unwrap_or_default(),
                 force: force.next().unwrap_or_default(),
@@ -290,6 +291,9 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     for k in 0..rows.start.len() - 1 {
         let i = rows.first + k;
         for pair in rows.row(k) {
+            if rows.bonded.get(pair) == Some(&true) {
+                continue;
+            }
             let j = rows.other[pair] as usize;
             let touch = scene.touch(i, j);
             let touches = touch.overlap > 0.0;

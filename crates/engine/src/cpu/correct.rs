@@ -58,7 +58,7 @@ impl Cpu {
 
 /// `held` in the components that are prescribed, `free` in the others.
 #[inline(always)]
-fn hold(free: Vec3<f64>, held: Vec3<f64>, prescribed: &[Option<f64>; 3]) -> Vec3<f64> {
+pub(super) fn hold(free: Vec3<f64>, held: Vec3<f64>, prescribed: &[Option<f64>; 3]) -> Vec3<f64> {
     let one = |free, held, prescribed: Option<f64>| if prescribed.is_some() { held } else { free };
     Vec3 {
         x: one(free.x, held.x, prescribed[0]),

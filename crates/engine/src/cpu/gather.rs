@@ -1,6 +1,7 @@
-//! Stage `gather`: adds what other rows keep for a particle, then walls.
+//! Stage `gather`: adds what other rows keep for a particle, then walls, then the sum of its bonds.
 
 use super::bodies::{Bodies, sphere};
+use super::bonds::{Bonds, REACTION, Written};
 use super::neighbours::{Neighbours, WallSlot};
 use super::pieces::split;
 use super::wide::prefetch;
@@ -18,7 +19,7 @@ impl Cpu {
         let n = self.bodies.len();
         let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
-        let list = &self.neighbours;
+        let (list, bonds) = (&self.neighbours, &self.bonds);
         let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
@@ -48,6 +49,7 @@ impl Cpu {
                     let kick = [kick.get(i), twist.get(i)].map(|k| k.copied().unwrap_or_default().vector());
                     walls.add(&sphere, kick, material[i], slot, accounts.get_mut(k), &mut sum);
                 }
+                add_bonds(bonds, i, &mut sum);
                 force[k].set_vector(sum.force);
                 if let Some(moment) = moment.get_mut(k) {
                     moment.set_vector(sum.moment);
@@ -86,6 +88,28 @@ fn add_incoming<const STRIDE: usize>(list: &Neighbours, i: usize, sum: &mut Sum)
             }
         }
     }
+}
+
+/// Adds the sum of a particle's bonds: its own row's, then what particles of lower rank keep.
+#[inline(always)]
+fn add_bonds(bonds: &Bonds, i: usize, sum: &mut Sum) {
+    let Written { reaction, force, moment, .. } = &bonds.written;
+    let (Some(force), Some(moment)) = (force.get(i), moment.get(i)) else { return };
+    let (mut force, mut moment) = (force.vector(), moment.vector());
+    for &slot in bonds.incoming(i + AHEAD) {
+        prefetch(reaction, REACTION * slot as usize);
+        prefetch(reaction, REACTION * slot as usize + REACTION - 1);
+    }
+    for &slot in bonds.incoming(i) {
+        let slot = slot as usize;
+        if bonds.holds[slot] {
+            let reaction = &reaction[REACTION * slot..REACTION * (slot + 1)];
+            force = force - vec3(reaction[0], reaction[1], reaction[2]);
+            moment = moment + vec3(reaction[3], reaction[4], reaction[5]);
+        }
+    }
+    sum.force = sum.force + force;
+    sum.moment = sum.moment + moment;
 }
 
 /// What contacts with walls need.

@@ -2,6 +2,7 @@
 
 use super::CHUNK;
 use super::pieces::split;
+use crate::Plan;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tdem_physics::contact::{Friction, Law};
@@ -19,6 +20,8 @@ pub(crate) struct Neighbours {
     pub(crate) other: Vec<u32>,
     /// Whether the pair touched when it was last looked at, `(P)`.
     pub(crate) touching: Vec<bool>,
+    /// Whether a bond holds between the pair, so that no contact acts, `(P)`; empty where contacts do not mind bonds.
+    pub(crate) bonded: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
     /// What the other particle feels: force on the row's particle (it feels the opposite), N, and its own moment, N m,
@@ -90,6 +93,15 @@ impl Neighbours {
         }
         &self.incoming[self.incoming_start[particle] as usize..self.incoming_start[particle + 1] as usize]
     }
+    /// Lets contact act between two particles whose bond broke.
+    pub(crate) fn release(&mut self, i: usize, j: usize) {
+        for (from, to) in [(i, j), (j, i)] {
+            let pair = self.row(from).find(|&pair| self.other[pair] as usize == to);
+            if let Some(bonded) = pair.and_then(|pair| self.bonded.get_mut(pair)) {
+                *bonded = false;
+            }
+        }
+    }
     /// Touching pairs, seen from their lower rank: ranks and displacement, ascending.
     pub(crate) fn histories(&self, rank: &[u32]) -> Histories {
         let n = rank.len();
@@ -151,9 +163,12 @@ impl Neighbours {
         reaction_stride(law) * size_of::<f64>()
     }
     /// Bytes of a half list per particle and per pair.
-    pub(crate) fn bytes_each(law: Law) -> [usize; 2] {
+    pub(crate) fn bytes_each(plan: &Plan) -> [usize; 2] {
+        let law = plan.law;
+        let bonded = plan.bonds.as_ref().map_or(0, |bonds| usize::from(!bonds.contact_in_bonded_pairs));
         let displacement = if law.friction == Friction::Off { 0 } else { size_of::<[f64; 3]>() };
-        let pair = 2 * size_of::<u32>() + size_of::<bool>() + displacement + Self::reaction_bytes(law);
+        let flags = (1 + bonded) * size_of::<bool>();
+        let pair = 2 * size_of::<u32>() + flags + displacement + Self::reaction_bytes(law);
         [2 * size_of::<u32>() + size_of::<[f64; 3]>(), pair]
     }
     pub(crate) fn bytes(&self) -> usize {
@@ -163,6 +178,7 @@ impl Neighbours {
         size(&self.start)
             + size(&self.other)
             + size(&self.touching)
+            + size(&self.bonded)
             + size(&self.displacement)
             + size(&self.reaction)
             + size(&self.incoming_start)

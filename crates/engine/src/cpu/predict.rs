@@ -2,6 +2,7 @@
 
 use super::bodies::{Quad, trajectory};
 use super::{CHUNK, Cpu};
+use crate::evaluate::quaternion;
 use crate::{Constraint, Domain, Fault, Integrator};
 use rayon::prelude::*;
 use tdem_physics::motion::{gear, sphere_inertia, verlet};
@@ -49,12 +50,25 @@ impl Cpu {
             optional(&mut bodies.derivatives),
             optional(&mut bodies.image),
             optional(&mut bodies.moment),
-            optional(&mut bodies.kick),
-            optional(&mut bodies.twist),
+            (optional(&mut bodies.kick), optional(&mut bodies.twist)),
+            optional(&mut bodies.orientation),
         )
             .into_par_iter()
             .map(
-                |(place, motion, spin, force, constraint, rank, reference, derivatives, image, moment, kick, twist)| {
+                |(
+                    place,
+                    motion,
+                    spin,
+                    force,
+                    constraint,
+                    rank,
+                    reference,
+                    derivatives,
+                    image,
+                    moment,
+                    (kick, twist),
+                    orientation,
+                )| {
                     let mut report = Report::START;
                     for i in 0..place.len() {
                         let constraint = &constraints[usize::from(constraint[i])];
@@ -72,6 +86,9 @@ impl Cpu {
                             let inertia = sphere_inertia(motion[i].scalar(), place[i].scalar());
                             let kicked = verlet::kick(spin[i].vector(), moment[i].vector(), inertia, 0.5 * dt);
                             spin[i].set_vector(prescribe(kicked, &constraint.angular_velocity));
+                        }
+                        if let Some(orientation) = orientation.get_mut(i) {
+                            turn(orientation, &spin[i], dt);
                         }
                         if let Some(kick) = kick.get_mut(i) {
                             kick.set_vector(motion[i].vector() - moving[0]);
@@ -148,6 +165,13 @@ fn verlet_particle(place: &mut Quad, motion: &mut Quad, force: &Quad, constraint
     let velocity = prescribe(kicked, &constraint.velocity);
     motion.set_vector(velocity);
     place.set_vector(verlet::drift(place.vector(), velocity, dt));
+}
+
+/// Under velocity Verlet the angular velocity is that of the middle of the step, under Gear that of its beginning.
+#[inline(always)]
+fn turn(orientation: &mut Quad, spin: &Quad, dt: f64) {
+    let turned = quaternion(orientation.0).turned(spin.vector(), dt);
+    *orientation = Quad::new(turned.vector.into(), turned.scalar);
 }
 
 /// Prescribed components have no higher derivatives, so that the predictor moves them by V dt.

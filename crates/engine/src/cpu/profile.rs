@@ -5,10 +5,11 @@
 //!
 //! | stage | reads | writes | both |
 //! |---|---|---|---|
-//! | predict | constraint, reference; under Verlet force, moment | kick, twist | place, motion, derivatives; under Verlet spin |
+//! | predict | constraint, reference; under Verlet force, moment | kick, twist | place, motion, derivatives, orientation; under Verlet spin |
 //! | search | place, rank | rows, incoming, touching, displacement, reaction, reference, wall slots | histories |
+//! | bond | place, orientation, rows of bonds; with dashpots motion, spin | sums of bonds, reaction | what bonds remember |
 //! | contact | place, motion, spin, kick, twist, material, rows; with a ledger rank | force, moment, reaction | touching, displacement, accounts |
-//! | gather | incoming, touching, reaction | | force, moment, wall slots |
+//! | gather | incoming, touching, reaction; sums of bonds | | force, moment, wall slots |
 //! | boundary | motion; with a ledger constraint | | force |
 //! | correct | force, moment, constraint; under Verlet place, for moments | | motion, spin, derivatives; under Gear place |
 //!
@@ -22,6 +23,7 @@ use crate::{Fault, Integrator, Part, Profile, STAGES};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
+use tdem_physics::bond::Damping;
 use tdem_physics::contact::Friction;
 
 /// Bytes of an array.
@@ -66,10 +68,27 @@ impl Cpu {
         let incoming = size(&list.incoming_start) + size(&list.incoming);
         let held = size(&b.constraint);
         let predict = verlet * (sums + 2 * spin)
-            + 2 * (size(&b.place) + size(&b.motion) + size(&b.derivatives))
+            + 2 * (size(&b.place) + size(&b.motion) + size(&b.derivatives) + size(&b.orientation))
             + held
             + size(&list.reference)
             + kicks;
+        let (bonds, written) = (&self.bonds, &self.bonds.written);
+        let sums_of_bonds = size(&written.force) + size(&written.moment) + size(&written.reaction);
+        let dashpots = self.plan.bonds.as_ref().is_some_and(|bonds| bonds.law.damping != Damping::Off);
+        let bond = if bonds.is_empty() {
+            0
+        } else {
+            size(&b.place)
+                + size(&b.orientation)
+                + if dashpots { size(&b.motion) + size(&b.spin) } else { 0 }
+                + size(&bonds.owner)
+                + size(&bonds.other)
+                + size(&bonds.offset)
+                + size(&bonds.strength)
+                + size(&bonds.holds)
+                + sums_of_bonds
+                + 2 * size(&written.history)
+        };
         let histories = touching * size_of::<u32>() + remembered;
         let search = size(&b.place)
             + size(&b.rank)
@@ -95,6 +114,7 @@ impl Cpu {
         let gather = incoming
             + (if incoming == 0 { 0 } else { size(&list.touching) })
             + reaction
+            + sums_of_bonds
             + 2 * (sums + size(&list.wall_slots));
         let boundary = size(&b.motion) + 2 * size(&b.force) + if self.plan.ledger { held } else { 0 };
         let place = if gear {
@@ -105,7 +125,7 @@ impl Cpu {
             0
         };
         let correct = sums + held + place + 2 * (size(&b.motion) + spin + size(&b.derivatives));
-        [predict, search, contact, gather, boundary, correct].map(|bytes| bytes as u64)
+        [predict, search, bond, contact, gather, boundary, correct].map(|bytes| bytes as u64)
     }
 
     /// Bytes per second, read and written, when each thread copies one piece of a large array.

@@ -91,6 +91,7 @@ impl Cpu {
         order.par_sort_unstable();
         let order: Vec<u32> = order.into_iter().map(|(_, index)| index).collect();
         self.bodies.reorder(&order);
+        self.bonds.lay_out(&self.bodies.rank);
     }
 
     /// One grid per size class, the largest first.
@@ -164,16 +165,27 @@ impl Cpu {
         let pairs = other.len();
         let law = self.plan.law;
         let mut touching = vec![false; pairs];
+        let apart = self.plan.bonds.as_ref().is_some_and(|bonds| !bonds.contact_in_bonded_pairs);
+        let mut bonded = vec![false; if apart && !self.bonds.is_empty() { pairs } else { 0 }];
         let mut displacement = if law.friction == Friction::Off { Vec::new() } else { vec![[0.0; 3]; pairs] };
-        let bodies = &self.bodies;
+        let (bodies, bonds) = (&self.bodies, &self.bonds);
         let rank = &bodies.rank[..];
         let bounds: Vec<usize> =
             (0..=bodies.len().div_ceil(CHUNK)).map(|chunk| start[(chunk * CHUNK).min(bodies.len())] as usize).collect();
-        let tasks: Vec<_> = split(&mut touching, &bounds).zip(split(&mut displacement, &bounds)).collect();
-        tasks.into_par_iter().enumerate().for_each(|(chunk, (touching, displacement))| {
+        let tasks: Vec<_> = split(&mut touching, &bounds)
+            .zip(split(&mut displacement, &bounds))
+            .zip(split(&mut bonded, &bounds))
+            .collect();
+        tasks.into_par_iter().enumerate().for_each(|(chunk, ((touching, displacement), bonded))| {
             let base = bounds[chunk];
             for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(rank.len()) {
                 for pair in start[i] as usize..start[i + 1] as usize {
+                    if let Some(bonded) = bonded.get_mut(pair - base) {
+                        *bonded = bonds.hold(rank, i, other[pair] as usize);
+                        if *bonded {
+                            continue;
+                        }
+                    }
                     if let Some(kept) = histories.of(rank[i], rank[other[pair] as usize]) {
                         touching[pair - base] = true;
                         if let Some(slot) = displacement.get_mut(pair - base) {
@@ -188,6 +200,7 @@ impl Cpu {
             start,
             other,
             touching,
+            bonded,
             displacement,
             reaction: if self.options.list == List::Half {
                 vec![0.0; pairs * reaction_stride(law)]

@@ -2,6 +2,7 @@
 
 use super::Cpu;
 use super::bodies::{Bodies, Quad};
+use super::bonds::Bonds;
 use super::neighbours::{Histories, indices_by_rank};
 use crate::{Contact, Fault, State, WallContact};
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ impl Cpu {
     pub(super) fn take_up(&mut self, state: State) -> Result<(), Fault> {
         let pool = std::sync::Arc::clone(&self.pool);
         self.bodies = Bodies::from_state(&state, &self.plan);
+        self.bonds = Bonds::from_state(&state, &self.plan);
         let histories = pool.install(|| histories(&state));
         self.ids = state.id;
         self.wall_position = state.wall_position;
@@ -45,11 +47,15 @@ impl Cpu {
             angular_velocity: sorted(by_rank, &bodies.spin, vector),
             force: sorted(by_rank, &bodies.force, vector),
             moment: sorted_or_zero(by_rank, &bodies.moment, vector),
+            orientation: sorted(by_rank, &bodies.orientation, |orientation| orientation.0),
+            bonded_position: self.bonds.bonded_position.clone(),
             derivatives: sorted(by_rank, &bodies.derivatives, |&derivatives| derivatives),
             accounts: sorted(by_rank, &bodies.accounts, |&accounts| accounts),
             wall_position: self.wall_position.clone(),
             contacts,
             wall_contacts: wall_contacts.collect(),
+            bonds: self.bonds.table.clone(),
+            bond_histories: self.bonds.histories(),
         }
     }
 

@@ -2,7 +2,6 @@
 #![allow(unsafe_code, reason = "an instruction may be used only on machines that were asked whether they have it")]
 
 use super::bodies::Quad;
-use super::contact::{Crushed, Rows, Scene, Variant, rows_eight};
 use tdem_physics::real::{Lanes, WIDTH};
 use tdem_physics::{Real, Vec3, vec3};
 
@@ -81,14 +80,22 @@ pub(super) fn prefetch<T>(field: &[T], index: usize) {
     let _ = (field, index);
 }
 
-/// The contact loop for eight pairs on any machine. Not inlined: it would be compiled once more into [`rows_widest`].
-#[inline(never)]
-pub(super) fn rows_portable<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
-    rows_eight::<V, Lanes>(scene, rows)
+/// A loop over eight numbers at a time, written for any kind of them.
+pub(super) trait Loop {
+    /// What it finds.
+    type Found;
+    /// Must always be inlined, with all that it calls, or it is compiled without the instruction set of its caller.
+    fn run<R: Eight>(self) -> Self::Found;
 }
 
-/// The contact loop for the widest registers of this machine.
-pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+/// Runs a loop on any machine. Not inlined: it would be compiled once more into [`run_widest`].
+#[inline(never)]
+pub(super) fn run_portable<L: Loop>(eight: L) -> L::Found {
+    eight.run::<Lanes>()
+}
+
+/// Runs a loop with the widest registers of this machine.
+pub(super) fn run_widest<L: Loop>(eight: L) -> L::Found {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f")
@@ -96,19 +103,19 @@ pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) ->
             && is_x86_feature_detected!("avx512vl")
         {
             // SAFETY: the machine has just said that it has these features.
-            return unsafe { x86::rows_avx512::<V>(scene, rows) };
+            return unsafe { x86::run_avx512(eight) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: the machine has just said that it has this feature.
-            return unsafe { x86::rows_avx2::<V>(scene, rows) };
+            return unsafe { x86::run_avx2(eight) };
         }
     }
-    rows_portable::<V>(scene, rows)
+    run_portable(eight)
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Crushed, Eight, Lanes, Quad, Rows, Scene, Variant, WIDTH, rows_eight};
+    use super::{Eight, Lanes, Loop, Quad, WIDTH};
     use std::arch::x86_64::{
         __m256d, __m512d, __mmask8, _CMP_GT_OQ, _mm256_load_pd, _mm256_maskz_loadu_pd, _mm512_abs_pd, _mm512_add_pd,
         _mm512_castpd256_pd512, _mm512_cmp_pd_mask, _mm512_div_pd, _mm512_insertf64x4, _mm512_loadu_pd,
@@ -121,15 +128,15 @@ mod x86 {
     use tdem_physics::{Real, Vec3, vec3};
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-    pub(super) fn rows_avx512<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
-        rows_eight::<V, Zmm>(scene, rows)
+    pub(super) fn run_avx512<L: Loop>(eight: L) -> L::Found {
+        eight.run::<Zmm>()
     }
     #[target_feature(enable = "avx2")]
-    pub(super) fn rows_avx2<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
-        rows_eight::<V, Lanes>(scene, rows)
+    pub(super) fn run_avx2<L: Loop>(eight: L) -> L::Found {
+        eight.run::<Lanes>()
     }
 
-    /// Eight numbers in one AVX-512 register: what [`Lanes`] says, one instruction each. Only code that [`rows_avx512`]
+    /// Eight numbers in one AVX-512 register: what [`Lanes`] says, one instruction each. Only code that [`run_avx512`]
     /// calls makes one.
     #[derive(Clone, Copy)]
     pub(super) struct Zmm(__m512d);
@@ -162,7 +169,7 @@ mod x86 {
 
         #[inline(always)]
         fn lit(value: f64) -> Self {
-            // SAFETY: only code that `rows_avx512` calls uses this type.
+            // SAFETY: only code that `run_avx512` calls uses this type.
             Zmm(unsafe { _mm512_set1_pd(value) })
         }
         #[inline(always)]
@@ -198,7 +205,7 @@ mod x86 {
     impl Eight for Zmm {
         #[inline(always)]
         fn from_array(numbers: [f64; WIDTH]) -> Self {
-            // SAFETY: only code that `rows_avx512` calls uses this type; the array has the eight numbers that are read.
+            // SAFETY: only code that `run_avx512` calls uses this type; the array has the eight numbers that are read.
             Zmm(unsafe { _mm512_loadu_pd(numbers.as_ptr()) })
         }
         #[inline(always)]
@@ -209,7 +216,7 @@ mod x86 {
         #[inline(always)]
         fn load(field: &[Quad], index: &[u32; WIDTH]) -> [Self; 4] {
             let from = pointers(field, index);
-            // SAFETY: only code that `rows_avx512` calls uses this type; a quad is 32 bytes at a multiple of 32.
+            // SAFETY: only code that `run_avx512` calls uses this type; a quad is 32 bytes at a multiple of 32.
             unsafe {
                 columns([
                     _mm256_load_pd(from[0]),
@@ -226,7 +233,7 @@ mod x86 {
         #[inline(always)]
         fn load_triples(field: &[[f64; 3]], index: &[u32; WIDTH]) -> Vec3<Self> {
             let from = pointers(field, index);
-            // SAFETY: only code that `rows_avx512` calls uses this type; the mask reads three numbers of each triple.
+            // SAFETY: only code that `run_avx512` calls uses this type; the mask reads three numbers of each triple.
             let [x, y, z, _] = unsafe {
                 columns([
                     _mm256_maskz_loadu_pd(0b111, from[0]),

@@ -95,6 +95,8 @@ impl<R: Runtime> Snapshot<R> {
             angular_velocity: if moments { vectors(&at, self.spin.view()?) } else { self.spins },
             force: vectors(&at, self.force.view()?),
             moment: if moments { vectors(&at, self.moment.view()?) } else { vec![[0.0; 3]; n] },
+            orientation: Vec::new(),
+            bonded_position: Vec::new(),
             derivatives: if derivatives[0].is_empty() {
                 Vec::new()
             } else {
@@ -104,6 +106,8 @@ impl<R: Runtime> Snapshot<R> {
             wall_position: self.wall_place.view()?.iter().map(|p| p.vector().into()).collect(),
             contacts,
             wall_contacts,
+            bonds: Vec::new(),
+            bond_histories: Vec::new(),
             id: self.ids,
         })
     }

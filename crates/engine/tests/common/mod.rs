@@ -1,6 +1,8 @@
 //! Scenes that the engine's tests share.
 #![allow(dead_code, reason = "each test binary uses some of the scenes")]
 
+pub(crate) mod bonded;
+
 use tdem_engine::physics::contact::{Damping, Interaction, Law, damping::restitution_factor};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};
 use tdem_engine::{Constraint, Domain, Integrator, Plan, Search, State, Wall};
@@ -42,6 +44,7 @@ pub(crate) fn plan(law: Law, min: [f64; 3], max: [f64; 3], periodic: [bool; 3]) 
         law,
         materials: 1,
         interactions: vec![interaction(PLASTIC, PLASTIC)],
+        bonds: None,
         walls: Vec::new(),
         gravity: [0.0; 3],
         constraints: vec![Constraint::FREE],

@@ -23,6 +23,56 @@ pub struct Cement<R> {
     pub damping_ratio: R,
 }
 
+/// What joins two materials: a cement, and how stiff it is under tension.
+///
+/// A bond of length $L_b$ has $\bar k_n = \bar k + \bar E/L_b$; usually one of the two is 0. The first is for lattices,
+/// whose bonds are then alike to the last bit whatever rounding did to their lengths, the second for packings with bonds
+/// of many lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint<R> {
+    /// All but the normal stiffness.
+    pub cement: Cement<R>,
+    /// $\bar k$, Pa/m, at least 0: the same for bonds of any length.
+    pub stiffness_per_area: R,
+    /// $\bar E$, Pa, at least 0: Young's modulus.
+    pub young_modulus: R,
+}
+
+impl<R: Real> Joint<R> {
+    /// The bond between two particles.
+    ///
+    /// | argument | symbol | unit |
+    /// |---|---|---|
+    /// | `first_radius`, `second_radius` | $R_1, R_2$ | m |
+    /// | `bonded_length` | $L_b$, the length at bonding | m |
+    /// | `strength` | factor on both strengths, 1 without scatter | 1 |
+    ///
+    /// # Example
+    /// ```
+    /// use tdem_physics::bond::{Cement, Joint};
+    /// let cement = Cement {
+    ///     stiffness_ratio: 0.4,
+    ///     radius_multiplier: 1.0,
+    ///     tensile_strength: 10e6,
+    ///     shear_strength: 30e6,
+    ///     internal_friction: 0.0,
+    ///     moment_contribution: 1.0,
+    ///     damping_ratio: 0.0,
+    /// };
+    /// let joint = Joint { cement, stiffness_per_area: 0.0, young_modulus: 30e9 };
+    /// let bond = joint.bond(1e-3, 2e-3, 3e-3, 0.5);
+    /// assert!((bond.stiffness.normal / (30e9 * std::f64::consts::PI * 1e-6 / 3e-3) - 1.0).abs() < 1e-15);
+    /// assert_eq!(bond.tensile_strength, 5e6);
+    /// ```
+    #[inline(always)]
+    #[must_use]
+    pub fn bond(&self, first_radius: R, second_radius: R, bonded_length: R, strength: R) -> Bond<R> {
+        let section = Section::between(self.cement.radius_multiplier, first_radius, second_radius);
+        let per_area = self.stiffness_per_area + stiffness_per_area(self.young_modulus, bonded_length);
+        Bond::new(&self.cement, &section, per_area).with_strength_times(strength)
+    }
+}
+
 /// The round section of a bond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section<R> {

@@ -2,28 +2,27 @@
 
 use super::Formula;
 use crate::bond::{
-    self, Advance, Bond, Cement, Damping, Ends, History, Modes, Posture, Reaction, Rest, Section, Tension, damping,
-    expansion,
+    self, Advance, Bond, Damping, Ends, History, Joint, Modes, Posture, Reaction, Rest, Tension, damping, expansion,
 };
-use crate::contact::Sphere;
+use crate::contact::{self, Encounter, Interaction, Sphere, Touch};
 use crate::motion::local_damping;
 use crate::motion::orientation::Quaternion;
 use crate::{Real, Vec3};
 
-/// [`Section::between`] and [`Bond::new`].
+/// [`Joint::bond`].
 #[derive(Clone, Copy, Debug)]
 pub struct BondBetween;
 
 impl Formula for BondBetween {
     const NAME: &'static str = "bond_between";
-    const INPUTS: &'static [&'static str] = &["cement", "first_radius", "second_radius", "stiffness_per_area"];
+    const INPUTS: &'static [&'static str] = &["joint", "first_radius", "second_radius", "bonded_length", "strength"];
     const OUTPUTS: &'static [&'static str] = &["bond"];
-    type Input<R: Real> = (Cement<R>, R, R, R);
+    type Input<R: Real> = (Joint<R>, R, R, R, R);
     type Output<R: Real> = (Bond<R>,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (cement, first, second, stiffness_per_area): Self::Input<R>) -> Self::Output<R> {
-        (Bond::new(&cement, &Section::between(cement.radius_multiplier, first, second), stiffness_per_area),)
+    fn apply<R: Real>(&self, (joint, first, second, bonded_length, strength): Self::Input<R>) -> Self::Output<R> {
+        (joint.bond(first, second, bonded_length, strength),)
     }
 }
 
@@ -160,6 +159,40 @@ impl Formula for BondEnergy {
     #[inline(always)]
     fn apply<R: Real>(&self, (load, bond): Self::Input<R>) -> Self::Output<R> {
         (bond::stored_energy(&load, &bond),)
+    }
+}
+
+/// [`bond::released_energy`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondRelease;
+
+impl Formula for BondRelease {
+    const NAME: &'static str = "bond_release";
+    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "load", "bond", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["energy"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Modes<R>, Bond<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second, offset, load, bond, dt): Self::Input<R>) -> Self::Output<R> {
+        (bond::released_energy(&Ends { first, second, offset }, &load, &bond, dt),)
+    }
+}
+
+/// [`contact::begun_energy`].
+#[derive(Clone, Copy, Debug)]
+pub struct ContactBegun;
+
+impl Formula for ContactBegun {
+    const NAME: &'static str = "contact_begun";
+    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "pair", "dt"];
+    const OUTPUTS: &'static [&'static str] = &["energy"];
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Interaction<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second, touch, pair, dt): Self::Input<R>) -> Self::Output<R> {
+        (contact::begun_energy(&Encounter::of_spheres(&first, &second, &touch, true), &pair, dt),)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What the structs of the laws are made of: one table per struct gives its typedef in C, the names by which printed
 //! code reaches its numbers, and its numbers as a flat row.
 
-use crate::bond::{Advance, Bond, Cement, Coefficients, History, Modes, Posture, Reaction, Rest, Stress};
+use crate::bond::{Advance, Bond, Cement, Coefficients, History, Joint, Modes, Posture, Reaction, Rest, Stress};
 use crate::contact::{Interaction, Kick, Losses, Period, Response, Sphere, Touch};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
@@ -171,6 +171,7 @@ members!(Cement {
     moment_contribution: R,
     damping_ratio: R,
 });
+members!(Joint { cement: Cement<R>, stiffness_per_area: R, young_modulus: R });
 members!(Bond {
     stiffness: Coefficients<R>,
     damping: Coefficients<R>,

@@ -26,6 +26,7 @@ fn sphere(leaves: bool) -> Simulation {
         law: Law::GNTM,
         materials: 1,
         interactions: vec![interaction],
+        bonds: None,
         walls: Vec::new(),
         gravity: [0.0; 3],
         constraints: vec![Constraint::FREE],

@@ -28,6 +28,7 @@ pub(crate) fn plan() -> Plan {
             dynamic_friction: 0.4,
             least_normal_force: 0.0,
         }],
+        bonds: None,
         walls: vec![
             wall("floor", [0.0, 0.0, 1.0], [0.0; 3]),
             wall("front", [0.0, 1.0, 0.0], [0.0; 3]),

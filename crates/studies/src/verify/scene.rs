@@ -133,6 +133,7 @@ impl Scene {
             law,
             materials,
             interactions: table.collect(),
+            bonds: None,
             walls: Vec::new(),
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE],

@@ -1,7 +1,8 @@
 //! The contact loop for eight pairs at a time.
 
 use super::{Crushed, Rows, Scene, Variant, worse};
-use crate::cpu::wide::{Eight, prefetch};
+use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
+use std::marker::PhantomData;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
     Encounter, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, respond, touch_spheres,
@@ -9,12 +10,36 @@ use tdem_physics::contact::{
 use tdem_physics::real::WIDTH;
 use tdem_physics::{Vec3, vec3};
 
+/// The contact loop for eight pairs on any machine.
+pub(super) fn rows_portable<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+    run_portable(Pairs { scene, rows, variant: PhantomData::<V> })
+}
+
+/// The contact loop for the widest registers of this machine.
+pub(super) fn rows_widest<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+    run_widest(Pairs { scene, rows, variant: PhantomData::<V> })
+}
+
+struct Pairs<'a, 'b, 'c, V> {
+    scene: &'a Scene<'b>,
+    rows: &'a mut Rows<'c>,
+    variant: PhantomData<V>,
+}
+
+impl<V: Variant> Loop for Pairs<'_, '_, '_, V> {
+    type Found = Crushed;
+    #[inline(always)]
+    fn run<R: Eight>(self) -> Crushed {
+        rows_eight::<V, R>(self.scene, self.rows)
+    }
+}
+
 /// Pairs eight at a time.
 ///
 /// Where most listed pairs touch, groups of eight neighbours in the list are evaluated as they come, and lanes that do
 /// not touch are thrown away. Elsewhere the pairs that touch are collected first.
 #[inline(always)]
-pub(in crate::cpu) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
+fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
     let pairs = rows.other.len();
     rows.open_books::<V>();
     if pairs == 0 {
@@ -32,11 +57,15 @@ pub(in crate::cpu) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: 
     let mut crushed: Crushed = None;
     for base in (0..pairs).step_by(WIDTH) {
         let width = WIDTH.min(pairs - base);
+        let free = free_of_bonds(rows.bonded, base, width);
+        if free == 0 {
+            continue;
+        }
         let group = Group::in_a_row(base, width, &owner, rows.other);
         ask_ahead::<V>(scene, rows.other, base + AHEAD);
         let (touch, radii) = law.touch(scene, &group);
-        let touches = R::bits(touch.overlap.gt(R::lit(0.0)));
-        let crushes = R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
+        let touches = free & R::bits(touch.overlap.gt(R::lit(0.0)));
+        let crushes = free & R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
         if crushes != 0 {
             for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
                 crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
@@ -71,6 +100,19 @@ pub(in crate::cpu) fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: 
     }
     rows.close_books::<V>();
     crushed
+}
+
+/// One bit for each of eight pairs between which contact may act.
+#[inline(always)]
+fn free_of_bonds(bonded: &[bool], base: usize, width: usize) -> u8 {
+    let mut free = u8::MAX;
+    if let Some(bonded) = bonded.get(base..base + width) {
+        for l in 0..width {
+            free &= !(u8::from(bonded[l]) << l);
+        }
+        free &= u8::MAX >> (WIDTH - width);
+    }
+    free
 }
 
 /// Pairs ahead whose other particles are asked for.

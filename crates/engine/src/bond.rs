@@ -1,0 +1,189 @@
+//! Bonds as a state keeps them and a plan describes them.
+
+use crate::{Fault, Plan, State};
+use tdem_physics::Vec3;
+use tdem_physics::bond::{Failure, Form, History, Joint, Law};
+
+/// Two particles that are, or were, bonded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bond {
+    /// The lower id.
+    pub first: u32,
+    /// The higher id.
+    pub second: u32,
+    /// Random factor on both strengths; 1 without scatter.
+    pub strength: f64,
+    /// When and how it broke; `None` while it holds.
+    pub breakage: Option<Breakage>,
+}
+
+impl Bond {
+    /// A bond that holds.
+    #[must_use]
+    pub const fn new(first: u32, second: u32, strength: f64) -> Self {
+        Bond { first, second, strength, breakage: None }
+    }
+    /// Whether it holds. What broke stays broken.
+    #[must_use]
+    pub const fn holds(&self) -> bool {
+        self.breakage.is_none()
+    }
+}
+
+/// How a bond ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Breakage {
+    /// The step in which it broke, at least 1; already in this step it exerted nothing.
+    pub step: u64,
+    /// What it failed in.
+    pub failure: Failure,
+    /// Energy that left with it, J: [`tdem_physics::bond::released_energy`], less
+    /// [`tdem_physics::contact::begun_energy`] where the particles overlap and its end lets contact begin.
+    pub energy: f64,
+}
+
+/// What an incremental bond remembers, as its first particle sees it; all zero once it is broken. See [`History`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BondHistory {
+    /// The normal that the vectors refer to.
+    pub normal: [f64; 3],
+    /// Normal force, N, tension positive.
+    pub tension: f64,
+    /// Shear force, N.
+    pub shear: [f64; 3],
+    /// Moments of torsion and bending, N m.
+    pub couple: [f64; 3],
+}
+
+impl BondHistory {
+    /// The same as the law has it.
+    #[inline(always)]
+    pub(crate) fn of(history: &History<f64>) -> Self {
+        BondHistory {
+            normal: history.normal.into(),
+            tension: history.tension,
+            shear: history.shear.into(),
+            couple: history.couple.into(),
+        }
+    }
+    /// The same for the law.
+    #[inline(always)]
+    pub(crate) fn law(&self) -> History<f64> {
+        History {
+            normal: self.normal.into(),
+            tension: self.tension,
+            shear: self.shear.into(),
+            couple: self.couple.into(),
+        }
+    }
+    /// All numbers, in the order of the fields.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.normal.into_iter().chain([self.tension]).chain(self.shear).chain(self.couple)
+    }
+}
+
+/// What a plan says of bonds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BondPlan {
+    /// Which law acts.
+    pub law: Law,
+    /// What bonds are made of, for each pair of materials, `(materials, materials)`, symmetric, row by row; `None` where
+    /// nothing is bonded.
+    pub joints: Vec<Option<Joint<f64>>>,
+    /// Whether contacts act beside bonds that hold. If not, a contact begins in the step in which its bond breaks, and
+    /// remembers nothing of before.
+    pub contact_in_bonded_pairs: bool,
+    /// $\alpha$ of the local damping of all particles, bonded or not, in [0, 1); 0 is none. It takes from components of
+    /// force and moment that move a particle, not from those whose motion is prescribed. See
+    /// [`tdem_physics::motion::local_damping`].
+    pub local_damping: f64,
+}
+
+impl BondPlan {
+    /// Whether bonds store forces.
+    #[must_use]
+    pub fn remembers(&self) -> bool {
+        matches!(self.law.form, Form::Incremental(_))
+    }
+}
+
+impl Plan {
+    /// What bonds between two materials are made of; `None` where there are none.
+    #[must_use]
+    pub fn joint(&self, first: u16, second: u16) -> Option<&Joint<f64>> {
+        let joints = &self.bonds.as_ref()?.joints;
+        joints.get(usize::from(first) * self.materials + usize::from(second))?.as_ref()
+    }
+}
+
+impl State {
+    /// Bonds particles as they lie: places are remembered and orientations counted from here on. Bonds may come in any
+    /// order, each pair once.
+    pub fn make_bonds(&mut self, mut bonds: Vec<Bond>) {
+        bonds.sort_unstable_by_key(|bond| (bond.first, bond.second));
+        if !bonds.is_empty() {
+            self.orientation = vec![[0.0, 0.0, 0.0, 1.0]; self.len()];
+            self.bonded_position.clone_from(&self.position);
+        }
+        self.bonds = bonds;
+    }
+
+    /// From the first particle of a bond to the second when they were bonded, m: the nearest image. The arguments are
+    /// indices of particles.
+    pub(crate) fn bonded_offset(&self, plan: &Plan, first: usize, second: usize) -> Vec3<f64> {
+        let position = |index: usize| -> Vec3<f64> { self.bonded_position[index].into() };
+        plan.domain.period().nearest(position(second) - position(first))
+    }
+
+    /// Checks that bonds belong to the particles and to the plan.
+    pub(crate) fn validate_bonds(&self, plan: &Plan) -> Result<(), Fault> {
+        let check = |holds: bool, what| if holds { Ok(()) } else { Err(Fault::Inconsistent { what }) };
+        if let Some(bonds) = &plan.bonds {
+            check(
+                bonds.joints.len() == plan.materials * plan.materials,
+                "every pair of materials has a joint or none",
+            )?;
+            check((0.0..1.0).contains(&bonds.local_damping), "local damping is at least 0 and less than 1")?;
+        }
+        let n = if self.bonds.is_empty() { 0 } else { self.len() };
+        check(
+            self.orientation.len() == n && self.bonded_position.len() == n,
+            "with bonds all particles have an orientation and a bonded position, without bonds none",
+        )?;
+        let remembered = self.bond_histories.len();
+        check(remembered == 0 || remembered == self.bonds.len(), "bond histories are for all bonds or none")?;
+        if self.bonds.is_empty() {
+            return Ok(());
+        }
+        let Some(bonds) = &plan.bonds else { return check(false, "bonds have a law") };
+        check(plan.law.moments, "bonds need a contact law with moments")?;
+        check(bonds.remembers() || remembered == 0, "only incremental bonds have histories")?;
+        check(!bonds.remembers() || !self.forces_known || remembered > 0, "incremental bonds have histories")?;
+        check(
+            self.bonds.is_sorted_by(|a, b| (a.first, a.second) < (b.first, b.second))
+                && self.bonds.iter().all(|bond| bond.first < bond.second),
+            "bonds ascend strictly, the lower id first",
+        )?;
+        check(
+            self.bonds.iter().all(|b| self.index_of(b.first).is_some() && self.index_of(b.second).is_some()),
+            "bonds name particles that exist",
+        )?;
+        let ends = |bond: &Bond| [bond.first, bond.second].map(|id| self.index_of(id).unwrap_or(0));
+        check(
+            self.bonds.iter().map(ends).all(|[i, j]| plan.joint(self.material[i], self.material[j]).is_some()),
+            "every bonded pair of materials has a joint",
+        )?;
+        check(
+            self.bonds.iter().map(ends).all(|[i, j]| {
+                let offset = self.bonded_offset(plan, i, j);
+                offset.dot(offset) > 0.0
+            }),
+            "bonded particles were apart when they were bonded",
+        )?;
+        check(self.bonds.iter().all(|bond| bond.strength > 0.0), "the strength of a bond is a positive factor")?;
+        check(
+            self.bonds.iter().filter_map(|bond| bond.breakage).all(|b| (1..=self.step).contains(&b.step)),
+            "bonds broke in steps that are done",
+        )
+    }
+}
