@@ -1,8 +1,9 @@
 //! Bonds as a state keeps them and a plan describes them.
 
 use crate::{Fault, Plan, State};
+use rayon::prelude::*;
 use tdem_physics::Vec3;
-use tdem_physics::bond::{Failure, Form, History, Joint, Law};
+use tdem_physics::bond::{self, Failure, Form, History, Joint, Law};
 
 /// Two particles that are, or were, bonded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +134,18 @@ impl State {
     pub(crate) fn bonded_offset(&self, plan: &Plan, first: usize, second: usize) -> Vec3<f64> {
         let position = |index: usize| -> Vec3<f64> { self.bonded_position[index].into() };
         plan.domain.period().nearest(position(second) - position(first))
+    }
+
+    /// The numbers that all bonds share, if they do, but for the factors on their strengths.
+    pub(crate) fn alike_bonds(&self, plan: &Plan) -> Option<bond::Bond<f64>> {
+        let numbers = |bond: &Bond| {
+            let [i, j] = [bond.first, bond.second].map(|id| self.index_of(id).unwrap_or(0));
+            let offset = self.bonded_offset(plan, i, j);
+            let joint = plan.joint(self.material[i], self.material[j])?;
+            Some(joint.bond(self.radius[i], self.radius[j], offset.dot(offset).sqrt(), 1.0))
+        };
+        let first = numbers(self.bonds.first()?)?;
+        self.bonds.par_iter().all(|bond| numbers(bond) == Some(first)).then_some(first)
     }
 
     /// Checks that bonds belong to the particles and to the plan.

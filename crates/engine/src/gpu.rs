@@ -1,6 +1,7 @@
 //! GPUs through OpenCL and CUDA: one dialect of kernels, and one trait with a runtime for each interface behind it.
 
 mod bodies;
+mod bonds;
 mod cuda;
 mod devices;
 mod fault;
@@ -27,7 +28,7 @@ pub use runtime::Error;
 const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");
 
 use crate::step::Backend;
-use crate::{Capture, Fault, Plan, Profile, State};
+use crate::{BondPlan, Capture, Fault, Plan, Profile, State};
 use run::Gpu;
 use runtime::Runtime;
 
@@ -38,17 +39,18 @@ pub fn source(state: &State, plan: &Plan) -> String {
 }
 
 /// How many bytes a run will hold on a device, all arrays together but for those of walls, with so many pairs in its list,
-/// all of which touch; [`crate::Simulation::bytes`] tells it of a run that is there.
+/// all of which touch, and so many bonds; [`crate::Simulation::bytes`] tells it of a run that is there.
 #[must_use]
-pub fn bytes(plan: &Plan, particles: usize, pairs: usize) -> usize {
+pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize {
     let [row, slot, kept] = search::bytes_each(plan);
-    particles * (bodies::bytes_each(plan) + row) + pairs * (2 * slot + kept)
+    let [bonded, bond] = bonds::bytes_each(plan);
+    particles * (bodies::bytes_each(plan) + row + bonded) + pairs * (2 * slot + kept) + bonds * bond
 }
 
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
-    if plan.bonds.is_some() {
-        return Err(Fault::Inconsistent { what: "bonds are computed on the CPU" });
+    if plan.bonds.as_ref().is_some_and(BondPlan::remembers) {
+        return Err(Fault::Inconsistent { what: "bonds in incremental form are computed on the CPU" });
     }
     Ok(match api {
         Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),

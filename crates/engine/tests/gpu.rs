@@ -4,9 +4,11 @@
 
 mod common;
 
-use common::scene;
+use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
+use common::{DENSITY, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
+use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
 use tdem_engine::{Constraint, Device, Fault, Integrator, Plan, Simulation, State};
 
@@ -39,6 +41,7 @@ fn assert_same(found: &State, expected: &State, what: &str) {
             panic!("{what}: entry {i} of {name} is {:?}, not {:?}", found[i], expected[i]);
         }
     }
+    differ(what, "bonds", &found.bonds, &expected.bonds);
     differ(what, "position", &found.position, &expected.position);
     differ(what, "velocity", &found.velocity, &expected.velocity);
     differ(what, "angular velocity", &found.angular_velocity, &expected.angular_velocity);
@@ -47,6 +50,7 @@ fn assert_same(found: &State, expected: &State, what: &str) {
     differ(what, "derivatives", &found.derivatives, &expected.derivatives);
     differ(what, "accounts", &found.accounts, &expected.accounts);
     differ(what, "image", &found.image, &expected.image);
+    differ(what, "orientation", &found.orientation, &expected.orientation);
     differ(what, "contacts", &found.contacts, &expected.contacts);
     differ(what, "wall contacts", &found.wall_contacts, &expected.wall_contacts);
     assert!(found == expected, "{what}: another field differs");
@@ -91,6 +95,62 @@ fn same_bits_with_gear_and_search_in_every_step() {
         plan.search.skin = 0.0;
         both(&state, &plan, 60, "Gear, every step");
     }
+}
+
+fn broken(state: &State) -> usize {
+    state.bonds.iter().filter(|bond| !bond.holds()).count()
+}
+
+/// Two materials, sizes that differ, scatter of strength, a box that repeats, contacts, walls.
+#[test]
+fn same_bits_while_bonds_break() {
+    let dashpots = bond::Law { damping: bond::Damping::Viscous, ..ELASTIC };
+    for (law, integrator, ledger, beside, local_damping) in [
+        (ELASTIC, Integrator::VelocityVerlet, false, false, 0.0),
+        (dashpots, Integrator::VelocityVerlet, false, true, 0.3),
+        (dashpots, Integrator::VelocityVerlet, true, false, 0.2),
+        (dashpots, Integrator::Gear, true, false, 0.0),
+    ] {
+        let (state, mut plan) = cracking_block(law, integrator);
+        plan.ledger = ledger;
+        if let Some(bonds) = &mut plan.bonds {
+            bonds.contact_in_bonded_pairs = beside;
+            bonds.local_damping = local_damping;
+        }
+        let end = both(&state, &plan, 500, &format!("{law:?} {integrator:?} ledger {ledger} beside {beside}"));
+        assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+    }
+}
+
+/// One material and one size: all bonds have the same numbers.
+#[test]
+fn same_bits_with_bonds_that_are_alike() {
+    let cement = Cement { tensile_strength: 1e5, shear_strength: 1e5, ..CEMENT };
+    let mut plan = free_space(ELASTIC, Joint { cement, ..JOINT });
+    let mut state = spheres(&lattice([6, 3, 3]), DENSITY);
+    bond_neighbours(&mut state, &plan);
+    let pull = |speed: f64| Constraint { velocity: [Some(speed), None, None], ..Constraint::FREE };
+    plan.constraints = vec![Constraint::FREE, pull(-1.0), pull(1.0)];
+    let farthest = state.position.iter().fold(0.0, |far: f64, place| far.max(place[0]));
+    for i in 0..state.len() {
+        let x = state.position[i][0];
+        state.constraint[i] = u16::from(x < 1e-6) + 2 * u16::from(x > farthest - 1e-6);
+    }
+    let end = both(&state, &plan, 400, "alike");
+    assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+}
+
+#[test]
+fn a_bonded_run_moves_between_devices_while_bonds_break() {
+    let (state, plan) = cracking_block(ELASTIC, Integrator::VelocityVerlet);
+    let whole = run(&state, &plan, cpu(), 400).expect("it runs through");
+    let first = whole.bonds.iter().filter_map(|bond| bond.breakage).map(|b| b.step).min().expect("bonds break");
+    let mut moved = state;
+    for (device, until) in [(cpu(), first - 1), (gpu(), first + 15), (cpu(), first + 30), (gpu(), 400)] {
+        let steps = until - moved.step;
+        moved = run(&moved, &plan, device, steps).expect("it goes on");
+    }
+    assert_same(&moved, &whole, "moved");
 }
 
 #[test]

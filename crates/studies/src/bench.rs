@@ -275,7 +275,7 @@ mod tests {
             let phase = Phase { after: 1, steps: 1, repeats: 1, profile: 0 };
             let found = phase.measure(lattice(&block), plan.clone(), &device).unwrap();
             let pairs = 0.5 * found.contacts_per_particle * found.particles as f64;
-            let expected = gpu::bytes(&plan, found.particles, pairs.round() as usize);
+            let expected = gpu::bytes(&plan, found.particles, pairs.round() as usize, 0);
             let ratio = found.bytes_per_particle / (expected as f64 / found.particles as f64);
             // Rows at the surface are as long as those beside them, and a little room is kept; without friction nothing is
             // put aside before results are taken.

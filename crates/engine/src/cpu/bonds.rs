@@ -87,22 +87,11 @@ impl Bonds {
             bonded_position: state.bonded_position.clone(),
             written: Written { history, ..Written::default() },
             table: state.bonds.clone(),
+            alike: state.alike_bonds(plan),
             ..Bonds::default()
         };
-        bonds.alike = bonds.alike(state, plan);
         bonds.lay_out(&(0..state.len() as u32).collect::<Vec<_>>());
         bonds
-    }
-
-    /// The numbers that all bonds share, if they do, but for the factor on their strengths.
-    fn alike(&self, state: &State, plan: &Plan) -> Option<bond::Bond<f64>> {
-        let mut numbers = self.table.iter().zip(&self.offset).map(|(bond, &[x, y, z])| {
-            let [i, j] = [bond.first, bond.second].map(|id| state.index_of(id).unwrap_or(0));
-            let joint = plan.joint(state.material[i], state.material[j]).unwrap_or(&NOTHING);
-            joint.bond(state.radius[i], state.radius[j], (x * x + y * y + z * z).sqrt(), 1.0)
-        });
-        let first = numbers.next()?;
-        numbers.all(|other| other == first).then_some(first)
     }
 
     pub(crate) fn is_empty(&self) -> bool {

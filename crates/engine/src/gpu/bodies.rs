@@ -1,6 +1,6 @@
 //! The particles, walls and constants of a run on a device, and what kernels are told.
 
-use super::layout::{Box3, Constraint, Pair, Step, Vector, Wall};
+use super::layout::{Beam, Box3, Constraint, Pair, Step, Vector, Wall};
 use super::memory::{Buffer, Queue};
 use super::program::only_interaction;
 use super::runtime::{Error, Runtime};
@@ -17,6 +17,8 @@ pub(super) struct Half<M> {
     pub(super) motion: Buffer<Quad, M>,
     /// Angular velocity; empty without moments.
     pub(super) spin: Buffer<Quad, M>,
+    /// Which way particles are turned; empty without bonds.
+    pub(super) orientation: Buffer<Quad, M>,
     /// A point on each wall.
     pub(super) wall_place: Buffer<Quad, M>,
 }
@@ -44,11 +46,13 @@ pub(super) struct Constants<M> {
 }
 
 impl<M> Half<M> {
-    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, n: usize, plan: &Plan) -> Result<Self, Error> {
+    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, state: &State, plan: &Plan) -> Result<Self, Error> {
+        let n = state.len();
         Ok(Half {
             place: queue.buffer(n)?,
             motion: queue.buffer(n)?,
             spin: queue.buffer(if plan.law.moments { n } else { 0 })?,
+            orientation: queue.buffer(state.orientation.len())?,
             wall_place: queue.buffer(plan.walls.len())?,
         })
     }
@@ -61,6 +65,8 @@ impl<M> Half<M> {
         if self.spin.len() > 0 {
             queue.upload(&self.spin, &unpaired(&state.angular_velocity))?;
         }
+        let orientation: Vec<Quad> = state.orientation.iter().map(|&q| Quad(q)).collect();
+        queue.upload(&self.orientation, &orientation)?;
         queue.upload(&self.wall_place, &unpaired(&state.wall_position))
     }
 }
@@ -174,6 +180,8 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         domain_max: Vector(plan.domain.max),
         period: Box3::from(&period),
         pair: only_interaction(plan, state).map(Pair::from).unwrap_or_default(),
+        bond: state.alike_bonds(plan).as_ref().map(Beam::from).unwrap_or_default(),
+        local_damping: plan.bonds.as_ref().map_or(0.0, |bonds| bonds.local_damping),
         particles: particles as u32,
         walls: plan.walls.len() as u32,
         items: particles.max(plan.walls.len()) as u32,
@@ -182,6 +190,8 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         frozen: 0,
         corrects: 0,
         ticks_allowed: ticks.allowed,
+        bond_slots: 0,
+        number: 0,
     }
 }
 

@@ -9,6 +9,7 @@ use tdem_physics::contact::touch_spheres;
 
 /// The bit of a slot that says its pair touched, as in `kernels/particle.cl`.
 const TOUCHING: u32 = 1 << 31;
+const BONDED: u32 = 1 << 30;
 
 impl<R: Runtime> Gpu<R> {
     /// The fault of a particle that is nowhere or outside, the lowest rank of all, at the prediction after `done` steps.
@@ -48,7 +49,11 @@ impl<R: Runtime> Gpu<R> {
         let mut worst: Option<((u32, u32), f64)> = None;
         for i in 0..n {
             for k in slice[i / SLICE]..slice[i / SLICE + 1] {
-                let j = (other[k as usize * SLICE + i % SLICE] & !TOUCHING) as usize;
+                let entry = other[k as usize * SLICE + i % SLICE];
+                if entry & !TOUCHING & BONDED != 0 {
+                    continue;
+                }
+                let j = (entry & !TOUCHING) as usize;
                 if j >= n {
                     break;
                 }

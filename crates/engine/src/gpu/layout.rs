@@ -24,6 +24,7 @@ use super::runtime::Argument;
 use super::traffic::Traffic;
 use crate::cpu::Quad;
 use bytemuck::{Pod, Zeroable};
+use tdem_physics::bond;
 use tdem_physics::contact::Interaction;
 use tdem_physics::print::Members;
 
@@ -80,6 +81,14 @@ macro_rules! flat {
 flat!(
     /// [`Interaction`], as the printed laws lay it out.
     Pair as "Interaction", 7 from Interaction<f64>
+);
+flat!(
+    /// [`bond::Bond`], as the printed laws lay it out.
+    Beam as "Bond", 14 from bond::Bond<f64>
+);
+flat!(
+    /// [`bond::Joint`], as the printed laws lay it out.
+    JointOf as "Joint", 9 from bond::Joint<f64>
 );
 flat!(
     /// [`tdem_physics::contact::Period`], as the printed laws lay it out.
@@ -141,6 +150,10 @@ records! {
         period: Box3,
         /// The parameters of the only pair of materials, if there is only one.
         pair: Pair,
+        /// The numbers of all bonds, if they are alike.
+        bond: Beam,
+        /// Coefficient of local damping.
+        local_damping: f64,
         particles: u32,
         walls: u32,
         /// Work-items: the larger of both.
@@ -154,6 +167,10 @@ records! {
         corrects: u32,
         /// A particle with this way or a longer one makes the list due, squared ticks.
         ticks_allowed: u32,
+        /// Planes of bonds.
+        bond_slots: u32,
+        /// Of this step, counted from where records of broken bonds begin.
+        number: u32,
     }
     /// A plane wall.
     Wall {
@@ -191,7 +208,8 @@ records! {
         histories: u32,
         /// Whether particles were put in the order of cells.
         reordered: u32,
-        padding: u32,
+        /// Planes of bonds.
+        bond_slots: u32,
     }
     /// The cells of one size class.
     Level {
@@ -339,7 +357,7 @@ kernels! {
         image: seldom i32, kind: read u32 where |v| v.constrained,
         constraints: read Constraint where |v| v.constrained, reference: amend u64,
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
-        kick_by_half: write Quad, twist_by_half: write Quad,
+        kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
@@ -351,6 +369,8 @@ kernels! {
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad,
         kick_by_half: read Quad, twist_by_half: read Quad, accounts: update Quad,
+        orientation: read Quad, bonded_place: read Quad, joints: read JointOf where |v| !v.alike_bonds,
+        bond_other: amend u32, bond_start: seldom u32, bond_strength: read f64, broken: seldom u32, released: seldom f64,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {
@@ -369,7 +389,29 @@ kernels! {
         reference: amend u64,
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
+        rank: seldom u32, orientation: read Quad, next_orientation: write Quad, bonded_place: read Quad,
+        joints: read JointOf where |v| !v.alike_bonds,
+        bond_other: amend u32, bond_start: seldom u32, bond_strength: read f64, broken: seldom u32, released: seldom f64,
     }
+    /// See `kernels/bond.cl`.
+    take_bonds as TakeBonds(128, 4) {
+        particles: value u32, first: value u32, planes: value u32, order: read u32, index_of: read u32,
+        bond_other: read u32, room: write u32,
+    }
+    /// See `kernels/bond.cl`.
+    put_bonds as PutBonds(128, 4) {
+        particles: value u32, first: value u32, planes: value u32, room: read u32, bond_other: write u32,
+    }
+    /// See `kernels/bond.cl`.
+    take_strengths as TakeStrengths(128, 4) {
+        particles: value u32, first: value u32, planes: value u32, order: read u32, strength: read f64, room: write f64,
+    }
+    /// See `kernels/bond.cl`.
+    put_strengths as PutStrengths(128, 4) {
+        particles: value u32, first: value u32, planes: value u32, room: read f64, strength: write f64,
+    }
+    /// See `kernels/bond.cl`.
+    invert_order as InvertOrder(128, 4) { particles: value u32, order: read u32, index_of: write u32 }
     /// See `kernels/scan.cl`.
     scan_blocks as ScanBlocks(256, 4) {
         count: value u32, values: update u32, sums: write u32,
@@ -418,6 +460,7 @@ kernels! {
         order: read u32, starts: read u32 where |v| v.friction(), partners: read u32 where |v| v.friction(),
         remembered: read f64 where |v| v.friction(), slice: read u32, other: write u32,
         displacement: write f64, reference: write u64, wall_reference: write Quad,
+        bond_other: read u32 where |v| v.bonds_keep_off,
     }
 }
 
@@ -434,11 +477,13 @@ mod tests {
         let mut sizes = record_sizes();
         sizes.extend([
             (Pair::NAME, size_of::<Pair>()),
+            (Beam::NAME, size_of::<Beam>()),
+            (JointOf::NAME, size_of::<JointOf>()),
             (Box3::NAME, size_of::<Box3>()),
             (Vector::NAME, size_of::<Vector>()),
             (Quad::NAME, size_of::<Quad>()),
         ]);
-        let mut source = print::types() + &record_definitions();
+        let mut source = print::types() + &print::bond_types() + &record_definitions();
         source += "KERNEL(64, 1) sizes(GLOBAL u32 *RESTRICT size)\n{\n    FOR_EACH(i, 1u) {\n";
         for (k, (name, _)) in sizes.iter().enumerate() {
             let _ = writeln!(source, "        size[{k}] = (u32)sizeof({name});");

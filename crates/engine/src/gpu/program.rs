@@ -4,7 +4,7 @@ use super::layout;
 use crate::{Integrator, Plan, State};
 use std::fmt::Write;
 use tdem_physics::contact::{Friction, Interaction};
-use tdem_physics::print;
+use tdem_physics::{bond, print};
 
 /// What is decided when the kernels are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +20,17 @@ pub(crate) struct Variant {
     pub(crate) one_pair: bool,
     /// Whether all particles have the same radius and mass.
     pub(crate) one_size: bool,
+    /// The law of bonds, if the plan has any.
+    pub(crate) bond_law: Option<bond::Law>,
+    /// Whether particles are bonded.
+    pub(crate) bonds: bool,
+    /// Whether all bonds have the same numbers but for their strengths.
+    pub(crate) alike_bonds: bool,
+    /// Whether strengths have factors.
+    pub(crate) scattered_bonds: bool,
+    /// Whether bonds that hold keep contact off.
+    pub(crate) bonds_keep_off: bool,
+    pub(crate) local_damping: bool,
 }
 
 /// The parameters of all contacts that particles of this state can have, if they are the same for all.
@@ -49,6 +60,13 @@ impl Variant {
             constrained: plan.constraints.len() > 1,
             one_pair: only_interaction(plan, state).is_some(),
             one_size: alike(&state.radius) && alike(&state.mass),
+            bond_law: plan.bonds.as_ref().map(|bonds| bonds.law),
+            bonds: !state.bonds.is_empty(),
+            alike_bonds: state.alike_bonds(plan).is_some(),
+            scattered_bonds: state.bonds.iter().any(|bond| bond.strength.to_bits() != 1.0_f64.to_bits()),
+            bonds_keep_off: !state.bonds.is_empty()
+                && plan.bonds.as_ref().is_some_and(|bonds| !bonds.contact_in_bonded_pairs),
+            local_damping: plan.bonds.as_ref().is_some_and(|bonds| bonds.local_damping > 0.0),
         }
     }
     /// Whether a step is one kernel.
@@ -61,7 +79,12 @@ impl Variant {
     }
     /// The names of its kernels.
     pub(crate) fn kernels(&self) -> Vec<&'static str> {
-        layout::heads().into_iter().map(|head| head.name).filter(|&name| name != "fused" || self.fused()).collect()
+        let written = |name: &&str| match *name {
+            "fused" => self.fused(),
+            "take_bonds" | "put_bonds" | "take_strengths" | "put_strengths" | "invert_order" => self.bonds,
+            _ => true,
+        };
+        layout::heads().into_iter().map(|head| head.name).filter(written).collect()
     }
     /// The whole text but the prelude.
     ///
@@ -78,12 +101,20 @@ impl Variant {
             ("CONSTRAINED", self.constrained),
             ("ONE_PAIR", self.one_pair),
             ("ONE_SIZE", self.one_size),
+            ("BONDS", self.bonds),
+            ("BOND_DASHPOTS", self.bond_law.is_some_and(|law| law.damping != bond::Damping::Off)),
+            ("ALIKE_BONDS", self.alike_bonds),
+            ("SCATTERED_BONDS", self.scattered_bonds),
+            ("BONDS_KEEP_OFF", self.bonds_keep_off),
+            ("LOCAL_DAMPING", self.local_damping),
         ];
         for (name, on) in switches {
             let _ = writeln!(text, "#define {name} {}", u8::from(on));
         }
         text.push('\n');
         text += &print::source(self.law);
+        text.push('\n');
+        text += &self.bond_law.map_or_else(print::bond_types, print::bond_source);
         text.push('\n');
         text += &layout::record_definitions();
         let mut skeletons = String::new();
@@ -92,6 +123,7 @@ impl Variant {
             include_str!("kernels/body.cl"),
             include_str!("kernels/correct.cl"),
             include_str!("kernels/predict.cl"),
+            include_str!("kernels/bond.cl"),
             include_str!("kernels/contact.cl"),
             include_str!("kernels/fused.cl"),
             include_str!("kernels/scan.cl"),

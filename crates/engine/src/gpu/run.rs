@@ -4,6 +4,7 @@
 //! batches of steps, looks at the status behind each, and only then lists anew or tells the fault.
 
 use super::bodies::{Constants, Fields, Half, step_record, unpaired};
+use super::bonds::Bonds;
 use super::layout::{Contact, Correct, Fused, Predict, Step};
 use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
@@ -49,6 +50,7 @@ pub(crate) struct Gpu<R: Runtime> {
     pub(super) rows: Rows<R::Memory>,
     pub(super) histories: Histories<R::Memory>,
     pub(super) scratch: Scratch<R::Memory>,
+    pub(super) bonds: Bonds<R::Memory>,
     status: Buffer<u32, R::Memory>,
     pub(super) step_record: Step,
     /// Whether a step is one kernel.
@@ -76,7 +78,8 @@ impl<R: Runtime> Gpu<R> {
             friction,
             smallest: state.radius.iter().copied().fold(f64::INFINITY, f64::min),
             largest: state.radius.iter().copied().fold(0.0, f64::max),
-            halves: [Half::new(&queue, n, plan)?, Half::new(&queue, n, plan)?],
+            halves: [Half::new(&queue, &state, plan)?, Half::new(&queue, &state, plan)?],
+            bonds: Bonds::of_state(&queue, &state, plan, variant.scattered_bonds)?,
             now: 0,
             constants: Constants::new(&queue, plan)?,
             rows: Rows::new(&queue, n, plan.walls.len())?,
@@ -93,6 +96,7 @@ impl<R: Runtime> Gpu<R> {
             ids: Vec::new(),
             spins: Vec::new(),
         };
+        gpu.step_record.bond_slots = gpu.bonds.slots;
         gpu.halves[0].take_up(&gpu.queue, &state)?;
         if n > 0 {
             gpu.list_with(true)?;
@@ -123,6 +127,9 @@ impl<R: Runtime> Gpu<R> {
             self.step += steps;
             return Ok(());
         }
+        if self.bonds.number(self.step + steps).is_none() {
+            self.bonds.begin_records(&self.queue, self.step)?;
+        }
         self.queue.clear(&self.status, STATUS)?;
         self.launch_predict(false)?;
         let mut done = 0;
@@ -135,7 +142,7 @@ impl<R: Runtime> Gpu<R> {
                 self.fault_in(status, done, steps)?;
                 self.note_way(status);
                 self.list_with(histories)?;
-                self.launch_step(done + 1 == steps)?;
+                self.launch_step(done + 1, done + 1 == steps)?;
                 done += 1;
             }
             let status = self.status()?;
@@ -158,7 +165,7 @@ impl<R: Runtime> Gpu<R> {
             while launched < steps && pending.len() < BATCHES {
                 for _ in 0..self.batch.min(steps - launched) {
                     launched += 1;
-                    self.launch_step(launched == steps)?;
+                    self.launch_step(launched, launched == steps)?;
                 }
                 pending.push_back(self.queue.fetch(&self.status, STATUS)?);
                 self.queue.flush()?;
@@ -224,13 +231,15 @@ impl<R: Runtime> Gpu<R> {
                 wall_reference: &self.rows.wall_reference,
                 kick_by_half: &fields.kick_by_half,
                 twist_by_half: &fields.twist_by_half,
+                orientation: &half.orientation,
             },
             step.items as usize,
         )
     }
 
-    /// From one prediction to the next, or to the end of the last step.
-    fn launch_step(&mut self, last: bool) -> Result<(), Error> {
+    /// From one prediction to the next, or to the end of the last step: the `count`-th of a call.
+    fn launch_step(&mut self, count: u64, last: bool) -> Result<(), Error> {
+        self.step_record.number = self.bonds.number(self.step + count).unwrap_or(0);
         if self.fused && !last {
             return self.launch_fused();
         }
@@ -262,6 +271,14 @@ impl<R: Runtime> Gpu<R> {
                 kick_by_half: &fields.kick_by_half,
                 twist_by_half: &fields.twist_by_half,
                 accounts: &fields.accounts,
+                orientation: &half.orientation,
+                bonded_place: &self.bonds.place,
+                joints: &self.bonds.joints,
+                bond_other: &self.bonds.other,
+                bond_start: &self.bonds.start,
+                bond_strength: &self.bonds.strength,
+                broken: &self.bonds.broken,
+                released: &self.bonds.released,
             },
             self.particles,
         )
@@ -321,6 +338,16 @@ impl<R: Runtime> Gpu<R> {
             wall_place: &half.wall_place,
             next_wall_place: &next.wall_place,
             wall_reference: &self.rows.wall_reference,
+            rank: &fields.rank,
+            orientation: &half.orientation,
+            next_orientation: &next.orientation,
+            bonded_place: &self.bonds.place,
+            joints: &self.bonds.joints,
+            bond_other: &self.bonds.other,
+            bond_start: &self.bonds.start,
+            bond_strength: &self.bonds.strength,
+            broken: &self.bonds.broken,
+            released: &self.bonds.released,
         }
     }
 

@@ -176,7 +176,7 @@ impl<R: Runtime> Gpu<R> {
             wraps,
             histories: histories.into(),
             reordered: reordered.into(),
-            padding: 0,
+            bond_slots: self.bonds.slots,
         };
         let (queue, scratch) = (&self.queue, &mut self.scratch);
         if scratch.known_levels != levels {
@@ -275,6 +275,7 @@ impl<R: Runtime> Gpu<R> {
                 displacement: &rows.displacement,
                 reference: &rows.reference,
                 wall_reference: &rows.wall_reference,
+                bond_other: &self.bonds.other,
             },
             search.items as usize,
         )?;
@@ -384,7 +385,13 @@ impl<R: Runtime> Gpu<R> {
         let (queue, order) = (&self.queue, &self.scratch.order);
         let [first, second] = &self.halves;
         let (from, to) = if self.now == 0 { (first, second) } else { (second, first) };
-        for (from, to) in [(&from.place, &to.place), (&from.motion, &to.motion), (&from.spin, &to.spin)] {
+        let moving = [
+            (&from.place, &to.place),
+            (&from.motion, &to.motion),
+            (&from.spin, &to.spin),
+            (&from.orientation, &to.orientation),
+        ];
+        for (from, to) in moving {
             if from.len() > 0 {
                 queue.run(&TakeQuads { particles, order, from, to }, n)?;
             }
@@ -394,6 +401,9 @@ impl<R: Runtime> Gpu<R> {
         // What these halves held is elsewhere now: the free one is room in which a field is put in order.
         let (fields, free) = (&mut self.fields, &mut self.halves[1 - self.now]);
         let room = &mut free.motion;
+        if self.bonds.slots > 0 {
+            self.bonds.reorder(queue, order, &free.place, room)?;
+        }
         for field in [&fields.rank, &fields.kind] {
             let to = &room.room(n);
             queue.run(&TakeWords { particles, order, from: field, to }, n)?;
@@ -405,7 +415,8 @@ impl<R: Runtime> Gpu<R> {
             queue.copy(to, &fields.image)?;
         }
         let [x, y, z] = &mut fields.derivatives;
-        for field in [x, y, z, &mut fields.accounts, &mut fields.kick_by_half, &mut fields.twist_by_half] {
+        let (accounts, kicks) = (&mut fields.accounts, [&mut fields.kick_by_half, &mut fields.twist_by_half]);
+        for field in [x, y, z, accounts, &mut self.bonds.place].into_iter().chain(kicks) {
             if field.len() > 0 {
                 queue.run(&TakeQuads { particles, order, from: field, to: room }, n)?;
                 std::mem::swap(field, room);

@@ -1,11 +1,13 @@
 //! From a device's working order to a state in the order of ids.
 
+use super::bonds::with_breakages;
 use super::memory::Arriving;
 use super::run::Gpu;
 use super::runtime::Runtime;
 use crate::cpu::{Quad, indices_by_rank, split};
-use crate::{Contact, Fault, State, WallContact};
+use crate::{Bond, Contact, Fault, State, WallContact};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A moment of a run on its way to the host.
 struct Snapshot<R: Runtime> {
@@ -26,6 +28,12 @@ struct Snapshot<R: Runtime> {
     starts: Arriving<u32, R>,
     partners: Arriving<u32, R>,
     remembered: Arriving<f64, R>,
+    orientation: Arriving<Quad, R>,
+    bonds: Arc<Vec<Bond>>,
+    bonded_position: Arc<Vec<[f64; 3]>>,
+    since: u64,
+    broken: Arriving<u32, R>,
+    released: Arriving<f64, R>,
 }
 
 impl<R: Runtime> Gpu<R> {
@@ -54,6 +62,12 @@ impl<R: Runtime> Gpu<R> {
             starts: queue.fetch(&self.histories.starts, all)?,
             partners: queue.fetch(&self.histories.partners, entries)?,
             remembered: queue.fetch(&self.histories.remembered, 3 * entries)?,
+            orientation: queue.fetch(&half.orientation, all)?,
+            bonds: Arc::clone(&self.bonds.table),
+            bonded_position: Arc::clone(&self.bonds.bonded_position),
+            since: self.bonds.since,
+            broken: queue.fetch(&self.bonds.broken, all)?,
+            released: queue.fetch(&self.bonds.released, all)?,
         };
         queue.flush()?;
         Ok(move || snapshot.state())
@@ -68,6 +82,7 @@ impl<R: Runtime> Snapshot<R> {
         let (image, accounts) = (self.image.view()?, self.accounts.view()?);
         let [dx, dy, dz] = &mut self.derivatives;
         let derivatives = [dx.view()?, dy.view()?, dz.view()?];
+        let orientation = self.orientation.view()?;
         let moments = self.spins.is_empty();
         let put_aside = PutAside {
             ids: &self.ids,
@@ -95,8 +110,8 @@ impl<R: Runtime> Snapshot<R> {
             angular_velocity: if moments { vectors(&at, self.spin.view()?) } else { self.spins },
             force: vectors(&at, self.force.view()?),
             moment: if moments { vectors(&at, self.moment.view()?) } else { vec![[0.0; 3]; n] },
-            orientation: Vec::new(),
-            bonded_position: Vec::new(),
+            orientation: if orientation.is_empty() { Vec::new() } else { gather(&at, |i| orientation[i].0) },
+            bonded_position: self.bonded_position.to_vec(),
             derivatives: if derivatives[0].is_empty() {
                 Vec::new()
             } else {
@@ -106,7 +121,7 @@ impl<R: Runtime> Snapshot<R> {
             wall_position: self.wall_place.view()?.iter().map(|p| p.vector().into()).collect(),
             contacts,
             wall_contacts,
-            bonds: Vec::new(),
+            bonds: with_breakages(&self.bonds, self.since, self.broken.view()?, self.released.view()?),
             bond_histories: Vec::new(),
             id: self.ids,
         })

@@ -6,7 +6,20 @@ typedef struct {
 #if GEAR
     Vec3 derivatives[4];
 #endif
+#if BONDS
+    Quaternion orientation;
+#endif
 } Body;
+
+#if BONDS
+DEVICE Quaternion quaternion(const Quad q)
+{
+    Quaternion orientation;
+    orientation.vector = vector(q);
+    orientation.scalar = q.w;
+    return orientation;
+}
+#endif
 
 // The derivatives of one coordinate stand together.
 #if GEAR
@@ -93,4 +106,20 @@ DEVICE void kick_angular_velocity(Sphere *body, const Vec3 moment, const Constra
 #else
 #define SPIN(i)    QUAD(0.0, 0.0, 0.0, 0.0)
 #define MOMENT(i)  zero()
+#endif
+
+#if ONE_PAIR
+#define INTERACTION(first, second)  step.pair
+#else
+#define INTERACTION(first, second)  interactions[(first) * step.materials + (second)]
+#endif
+
+// Where all particles are alike, a partner is as large and heavy as the particle itself: what follows from that is
+// computed once for all partners.
+#if ONE_SIZE
+#define RADIUS_OF_PARTNER(place)  body.radius
+#define MASS_OF_PARTNER(motion)   body.mass
+#else
+#define RADIUS_OF_PARTNER(place)  (place).w
+#define MASS_OF_PARTNER(motion)   (motion).w
 #endif

@@ -1,21 +1,5 @@
 // Stages `contact`, `gather` and `boundary`: forces and moments of touching pairs, walls, gravity.
 
-#if ONE_PAIR
-#define INTERACTION(first, second)  step.pair
-#else
-#define INTERACTION(first, second)  interactions[(first) * step.materials + (second)]
-#endif
-
-// Where all particles are alike, a partner is as large and heavy as the particle itself: what follows from that is
-// computed once for all partners.
-#if ONE_SIZE
-#define RADIUS_OF_PARTNER(place)  body.radius
-#define MASS_OF_PARTNER(motion)   body.mass
-#else
-#define RADIUS_OF_PARTNER(place)  (place).w
-#define MASS_OF_PARTNER(motion)   (motion).w
-#endif
-
 // What a particle feels. The row's order is the order of the sum: higher ranks, lower ranks, walls.
 DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
                         GLOBAL const Quad *RESTRICT place, GLOBAL const Quad *RESTRICT motion,
@@ -27,7 +11,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                         GLOBAL const Quad *RESTRICT kick_by_half, GLOBAL const Quad *RESTRICT twist_by_half,
                         GLOBAL const u32 *RESTRICT rank, Quad *account,
 #endif
-                        Vec3 *force, Vec3 *moment)
+                        const Vec3 bond_force, const Vec3 bond_moment, Vec3 *force, Vec3 *moment)
 {
     u32 flags = 0;
     Vec3 f = zero(), m = zero();
@@ -46,6 +30,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
     for (; k < end; ++k) {
         const u32 entry = other[SLOT(k, i)];
+#if BONDS_KEEP_OFF
+        if (entry & BONDED)
+            continue;
+#endif
         const u32 j = entry & ~TOUCHING;
         if (j >= step.particles)
             break;
@@ -187,6 +175,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
         }
     }
+#if BONDS
+    f = plus(f, bond_force);
+    m = plus(m, bond_moment);
+#endif
     *force = plus(f, times(step.gravity, body.mass));
     *moment = m;
     return flags;
@@ -211,18 +203,37 @@ kernel contact
 #else
             const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), QUAD(0.0, 0.0, 0.0, 0.0));
 #endif
-            Vec3 f, m;
+            Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if LEDGER
             Quad account = accounts[i];
+#endif
+#if BONDS
+            sum_bonds(step, i, body, place, motion, spin, orientation, bonded_place, kind, rank, interactions, joints,
+                      slice, other, bond_other, bond_start, bond_strength, broken, released,
+#if LEDGER
+                      kick_by_half, twist_by_half, &account,
+#endif
+                      &bond_force, &bond_moment);
 #endif
             const u32 wrong = sum_contacts(step, i, body, MATERIAL_OF(kind[i]), place, motion, spin, kind, interactions,
                                            slice, other, displacement, walls, wall_place,
 #if LEDGER
                                            kick_by_half, twist_by_half, rank, &account,
 #endif
-                                           &f, &m);
+                                           bond_force, bond_moment, &f, &m);
             if (wrong)
                 raise_flags(step, status, wrong);
+#if LOCAL_DAMPING
+            Vec3 kick = zero(), twist = zero();
+#if LEDGER && !GEAR
+            kick = vector(kick_by_half[i]);
+            twist = vector(twist_by_half[i]);
+#endif
+            const real taken = damp_locally(step, body, HELD(kind[i]), kick, twist, &f, &m);
+#if LEDGER
+            account.y += taken * step.history_dt;
+#endif
+#endif
 #if LEDGER
 #if CONSTRAINED
             if (CONSTRAINT_OF(kind[i])) {

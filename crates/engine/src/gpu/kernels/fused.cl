@@ -20,9 +20,18 @@ kernel fused
                 const u32 mine = 0;
 #endif
                 const Constraint held = HELD(mine);
-                Vec3 f, m;
+                Vec3 f, m, bond_force = zero(), bond_moment = zero();
+#if BONDS
+                body.orientation = quaternion(LOAD(orientation, i));
+                sum_bonds(step, i, body.sphere, place, motion, spin, orientation, bonded_place, kind, rank, interactions,
+                          joints, slice, other, bond_other, bond_start, bond_strength, broken, released, &bond_force,
+                          &bond_moment);
+#endif
                 u32 wrong = sum_contacts(step, i, body.sphere, MATERIAL_OF(mine), place, motion, spin, kind, interactions,
-                                         slice, other, displacement, walls, wall_place, &f, &m);
+                                         slice, other, displacement, walls, wall_place, bond_force, bond_moment, &f, &m);
+#if LOCAL_DAMPING
+                damp_locally(step, body.sphere, held, zero(), zero(), &f, &m);
+#endif
                 correct_body(step, &body, f, m, held);
                 predict_body(step, &body, f, m, held);
                 wrong |= judge(step, i, &body.sphere.position, image, reference);
@@ -30,6 +39,9 @@ kernel fused
                     raise_flags(step, status, wrong);
                 next_place[i] = quad(body.sphere.position, x.w);
                 keep_motion(i, body, next_motion, next_spin, DERIVATIVES);
+#if BONDS
+                next_orientation[i] = quad(body.orientation.vector, body.orientation.scalar);
+#endif
             }
             if (i < step.walls)
                 move_wall(step, i, walls, wall_place, next_wall_place, wall_reference, status);

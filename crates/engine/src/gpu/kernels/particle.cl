@@ -33,10 +33,12 @@ DEVICE Vec3 offset_between(const Step step, const Vec3 from, const Vec3 to)
 }
 
 // Rows stand side by side in slices of SLICE particles, so that neighbouring work-items read neighbouring words. A slot
-// holds the other particle, or the number of particles plus the index of a wall, or NOBODY behind the last.
+// holds the other particle, or the number of particles plus the index of a wall, or NOBODY behind the last. A bit says
+// that a pair touches, another that its bond keeps contact off.
 #define SLICE     32u
 #define TOUCHING  0x80000000u
-#define NOBODY    0x7fffffffu
+#define BONDED    0x40000000u
+#define NOBODY    0x3fffffffu
 #define SLOT(k, i)                ((size_t)(k) * SLICE + (i) % SLICE)
 #define DISPLACEMENT(k, c, i)     (((size_t)(k) * 3u + (c)) * SLICE + (i) % SLICE)
 

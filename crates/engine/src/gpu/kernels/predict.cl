@@ -27,6 +27,12 @@ DEVICE void predict_body(const Step step, Body *body, const Vec3 force, const Ve
     body->sphere.position = drifted;
     kick_angular_velocity(&body->sphere, moment, held, step.half_dt);
 #endif
+#if BONDS
+    // Under Verlet by the angular velocity of the middle of the step, under Gear by that of its beginning.
+    Quaternion turned;
+    turn_orientation(body->orientation, body->sphere.angular_velocity, step.dt, &turned);
+    body->orientation = turned;
+#endif
 }
 
 #if PERIODIC
@@ -99,6 +105,9 @@ kernel predict
         FOR_EACH(i, step.items) {
             if (i < step.particles) {
                 Body body = body_at(i, place[i], motion[i], SPIN(i), DERIVATIVES);
+#if BONDS
+                body.orientation = quaternion(orientation[i]);
+#endif
                 const Vec3 f = vector(force[i]), m = MOMENT(i);
                 const Constraint held = HELD(kind[i]);
                 // Between two steps nobody looks at the neighbours: the end of one and the start of the next are one.
@@ -118,6 +127,9 @@ kernel predict
                     raise_flags(step, status, wrong);
                 place[i] = quad(body.sphere.position, body.sphere.radius);
                 keep_motion(i, body, motion, spin, DERIVATIVES);
+#if BONDS
+                orientation[i] = quad(body.orientation.vector, body.orientation.scalar);
+#endif
             }
             if (i < step.walls)
                 move_wall(step, i, walls, wall_place, wall_place, wall_reference, status);

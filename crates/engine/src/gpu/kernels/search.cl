@@ -380,6 +380,16 @@ kernel rows_fill
         }
         for (u32 k = last; k < end; ++k)
             other[SLOT(k, i)] = NOBODY;
+#if BONDS_KEEP_OFF
+        for (u32 b = 0; b < search.bond_slots; ++b) {
+            const u32 entry = bond_other[(size_t)b * search.particles + i];
+            if (entry == NOBODY)
+                break;
+            for (u32 k = start; entry & HOLDS && k < neighbours; ++k)
+                if (other[SLOT(k, i)] == (entry & ~HOLDS))
+                    other[SLOT(k, i)] |= BONDED;
+        }
+#endif
         reference[i] = ticks_of(vector(x), search.origin, search.ticks_per_metre);
     }
 }
