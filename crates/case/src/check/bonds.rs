@@ -19,15 +19,13 @@ impl Checker<'_> {
                     ),
             );
         }
-        let tables =
-            [(&["bond", "0", "between"][..], !bonds.is_empty()), (&["bonds"], self.tree.get(&["bonds"]).is_some())];
-        if let (true, Some((path, _))) = (self.case.model != Model::BPM, tables.iter().find(|(_, there)| *there)) {
-            let [place, cause] = [self.place(path), self.place(&["model"])];
+        if self.case.model != Model::BPM && !bonds.is_empty() {
+            let [place, cause] = [&["bond", "0", "between"][..], &["model"]].map(|path| self.place(path));
             self.push(
                 Problem::error("tdem::case::bonds-need-bpm", "the case describes bonds, but its model has none")
                     .at(cause, "does not bond")
                     .at(place, "bonds are described here")
-                    .help("write model = \"BPM\", which is GNTM with bonds, or remove [[bond]] and [bonds]"),
+                    .help("write model = \"BPM\", which is GNTM with bonds, or remove [[bond]]"),
             );
         }
         let mut seen: BTreeMap<[&str; 2], usize> = BTreeMap::new();
