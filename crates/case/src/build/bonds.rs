@@ -140,6 +140,12 @@ impl Bonded {
     }
 }
 
+/// A pair that is bonded, or not because nothing joins its materials.
+struct Near {
+    pair: [u32; 2],
+    joined: bool,
+}
+
 /// All pairs that are near enough to each other for the [[bond]] of their materials. Materials that are bonded
 /// otherwise, but not where they meet, are worth a warning.
 fn near(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut Vec<Problem>) -> Vec<[u32; 2]> {
@@ -155,11 +161,6 @@ fn near(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut Vec<
     let groups = &case.particles;
     let loose = |index: usize| groups[usize::from(draft.group[index])].loose;
 
-    /// A pair that is bonded, or not because nothing joins its materials.
-    struct Near {
-        pair: [u32; 2],
-        joined: bool,
-    }
     let found: Vec<Near> = (0..state.len())
         .into_par_iter()
         .with_min_len(1024)

@@ -77,7 +77,7 @@ impl Checker<'_> {
             match (young_modulus, stiffness_per_area) {
                 (Some(_), Some(_)) => self.exclusive(&["bond", index, "micro"], "young_modulus", "stiffness_per_area"),
                 (None, None) => {
-                    self.lacking(joint, index, "`micro.young_modulus`", "young_modulus = ..., in Pa, to `micro`")
+                    self.lacking(joint, index, "`micro.young_modulus`", "young_modulus = ..., in Pa, to `micro`");
                 }
                 _ => {}
             }

@@ -25,7 +25,9 @@ impl Default for Extent {
 impl Extent {
     pub(super) fn add(&mut self, radii: [f64; 2], length: f64) {
         let widen = |[low, high]: &mut [f64; 2], value: f64| (*low, *high) = (low.min(value), high.max(value));
-        radii.into_iter().for_each(|radius| widen(&mut self.radius, radius));
+        for radius in radii {
+            widen(&mut self.radius, radius);
+        }
         widen(&mut self.length, length);
     }
     fn is_empty(&self) -> bool {
