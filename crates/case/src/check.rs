@@ -1,5 +1,7 @@
 //! What the text alone shows to be wrong once its structure is right.
 
+mod bonds;
+
 use crate::materials::RIGID;
 use crate::problem::Problem;
 use crate::schema::{Case, Component, Damping, Interaction, Model, Particles, Radius, Step};
@@ -15,9 +17,11 @@ pub(crate) fn check(case: &Case, tree: &Node) -> Vec<Problem> {
     checker.domain();
     checker.materials();
     checker.interactions();
+    checker.bonds();
     checker.walls();
     checker.boxes();
     checker.particles();
+    checker.zones();
     checker.time_and_output();
     checker.problems
 }

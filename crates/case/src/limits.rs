@@ -1,6 +1,6 @@
 //! What limits the time step, and the step that follows.
 
-use crate::build::Context;
+use crate::build::{Context, Vibration};
 use crate::load::Loaded;
 use crate::problem::{Label, Problem, number};
 use crate::schema::{Damping, Integrator, Model, Step};
@@ -8,8 +8,8 @@ use std::ops::Range;
 use tdem_engine::physics::contact::Interaction;
 use tdem_engine::physics::material::young_modulus_eff;
 use tdem_engine::physics::stability::{
-    DENSE_PACKING_DAMPING, GEAR_DASHPOT_LIMIT, VERLET_DASHPOT_LIMIT, hertz_collision_time, hertz_largest_overlap,
-    rayleigh_time,
+    DENSE_PACKING_DAMPING, GEAR_DASHPOT_LIMIT, GEAR_OSCILLATOR_LIMIT, VERLET_DASHPOT_LIMIT, VERLET_OSCILLATOR_LIMIT,
+    gear_damped_oscillator_limit, hertz_collision_time, hertz_largest_overlap, rayleigh_time,
 };
 use tdem_engine::{Constraint, State};
 
@@ -143,8 +143,12 @@ impl StepLimits {
         found: &Found,
         meeting: &[(usize, usize)],
         interactions: &[Interaction<f64>],
+        bonded: Option<(&Vibration, &State)>,
     ) -> Self {
         let mut limits = Finder { context, found, limits: Vec::new() };
+        if let Some((vibration, state)) = bonded {
+            limits.bonds(vibration, state);
+        }
         for material in (0..context.materials.len()).filter(|&m| found.counts[m] > 0) {
             limits.rayleigh(material);
         }
@@ -236,6 +240,36 @@ impl Finder<'_> {
         }
     }
 
+    /// Vibration of bonded particles: up to one step all is stable, beyond another something is not.
+    fn bonds(&mut self, vibration: &Vibration, state: &State) {
+        let (frequency, rate) = (vibration.greatest_frequency, vibration.greatest_damping_rate);
+        if frequency == 0.0 {
+            return;
+        }
+        let (safe, limit) = if self.gear() {
+            let damped = gear_damped_oscillator_limit(0.5 * rate / frequency) / frequency;
+            (damped.min(GEAR_DASHPOT_LIMIT / rate), GEAR_OSCILLATOR_LIMIT)
+        } else {
+            (vibration.verlet_step, VERLET_OSCILLATOR_LIMIT)
+        };
+        let material = usize::from(state.material[vibration.particle]);
+        let cause = format!(
+            "no vibration above {} rad/s, `{}` of radius {} m; smaller steps are stable",
+            number(frequency),
+            self.name(material),
+            number(state.radius[vibration.particle])
+        );
+        let case = &self.context.loaded.case;
+        let name = self.name(material);
+        let entry = case.bond.iter().position(|joint| joint.between.iter().any(|n| n == name)).unwrap_or(0);
+        let labels = vec![self.label(&["bond", &entry.to_string(), "between"], "stiffness of these bonds")];
+        self.add("bonds", safe, false, cause, labels.clone());
+        let cause = format!("one particle alone vibrates at {} rad/s", number(vibration.least_frequency));
+        // Dashpots may help Gear's method, if only a little.
+        let proven = !self.gear() || rate == 0.0;
+        self.add("the bonds of one particle", limit / vibration.least_frequency, proven, cause, labels);
+    }
+
     fn rayleigh(&mut self, material: usize) {
         let radius = self.found.smallest[material].0;
         let time =
@@ -305,7 +339,7 @@ impl Finder<'_> {
         self.add("the normal dashpots of all contacts", dense / rate, false, cause, labels);
 
         if case.model != Model::GN {
-            let rate = interaction.tangential_damping * if case.model == Model::GNTM { TURNING } else { 1.0 };
+            let rate = interaction.tangential_damping * if case.model.turns() { TURNING } else { 1.0 };
             let labels = vec![self.label(&["interaction", &given, "tangential_damping"], "damping of this pair")];
             let cause = format!("damping {} 1/s of {pair}, turning included", number(rate));
             // Sliding caps the force, so that too large a step does not diverge here.

@@ -85,6 +85,9 @@ impl Loaded {
                 run.directory = self.absolute(&run.directory);
             }
         }
+        if let Some(file) = &mut case.bonds.file {
+            *file = self.absolute(file);
+        }
         let size = case.size.as_ref().map_or(String::new(), |size| format!("# Preset applied: {size}\n"));
         // All types serialise; if one did not, the text as read would still be the case.
         let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());

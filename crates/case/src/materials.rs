@@ -150,5 +150,5 @@ pub(crate) fn law(case: &Case) -> Law {
         Damping::Viscous => contact::Damping::Viscous,
         Damping::Restitution => contact::Damping::Restitution,
     };
-    Law { damping, friction, moments: case.model == Model::GNTM }
+    Law { damping, friction, moments: case.model.turns() }
 }

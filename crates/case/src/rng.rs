@@ -14,6 +14,8 @@ pub(crate) enum Stream {
     Radius = 2,
     /// How fast it starts and whither.
     Velocity = 3,
+    /// How strong a bond is.
+    Strength = 4,
 }
 
 /// Four words from four words and a key of two.

@@ -33,7 +33,9 @@ fn every_case_builds_without_warning() {
 
 #[test]
 fn every_case_survives_being_written_out() {
-    for file in ["packing.toml", "bouncing-ball.toml", "rolling.toml", "periodic-shear.toml", "collision.toml"] {
+    for file in
+        ["packing.toml", "bouncing-ball.toml", "rolling.toml", "periodic-shear.toml", "collision.toml", "tension.toml"]
+    {
         let loaded = load(&cases().join(file), &[]).unwrap();
         let written = loaded.effective_toml();
         let again = tdem_case::parse("written", &written, Path::new("/nowhere"), &[]).unwrap_or_else(|p| panic!("{p}"));
@@ -90,6 +92,19 @@ fn the_papers_lattice_has_the_papers_contacts() {
         }
     }
     assert_eq!(touching, 480_654);
+}
+
+#[test]
+fn the_papers_prism_has_the_papers_particles_and_the_lattices_bonds() {
+    for (size, particles, bonds) in [("88k", 88_872, 513_720), ("627k", 627_264, 3_691_410)] {
+        let built = build("tension.toml", &[("size", size)]);
+        assert_eq!((built.state.len(), built.state.bonds.len()), (particles, bonds));
+        let steel = built.state.material.iter().filter(|&&material| material == 1).count();
+        // A quarter of a bar of 10 mm radius in a quarter of 75 x 75 mm; ribs and whole layers on the mirrors add.
+        let part = steel as f64 / particles as f64;
+        assert!((0.0139..0.02).contains(&part), "{part}");
+        assert!(built.warnings.problems.is_empty(), "{}", built.warnings);
+    }
 }
 
 #[test]

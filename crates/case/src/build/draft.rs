@@ -5,7 +5,7 @@ use crate::problem::{Problem, counted, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::Particles;
 use std::f64::consts::PI;
-use tdem_engine::{Contact, Plan, State};
+use tdem_engine::{Bond, Contact, Plan, State};
 
 /// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
 /// memory.
@@ -64,8 +64,10 @@ impl Draft {
             state.constraint.push(0);
             state.radius.push(radius);
             state.mass.push(sphere_mass(radius, context.materials.density[usize::from(material)]));
-            state.position.push(spheres.position[k]);
-            state.velocity.push(std::array::from_fn(|d| base[d] + group.velocity[d] + random[d]));
+            let place = spheres.position[k];
+            state.position.push(place);
+            let stretching: [f64; 3] = std::array::from_fn(|d| group.strain_rate[d] * place[d]);
+            state.velocity.push(std::array::from_fn(|d| base[d] + group.velocity[d] + stretching[d] + random[d]));
             state.angular_velocity.push(std::array::from_fn(|d| spin[d] + group.angular_velocity[d]));
             self.group.push(index as u16);
         }
@@ -95,7 +97,7 @@ impl Draft {
     }
 
     /// The state, in the order of ids.
-    pub(super) fn finish(self, context: &Context<'_>, plan: &Plan) -> State {
+    pub(super) fn finish(self, context: &Context<'_>, plan: &Plan, bonds: Vec<Bond>) -> State {
         let mut state = self.state;
         let count = state.len();
         if !state.id.is_sorted() {
@@ -123,6 +125,7 @@ impl Draft {
         if plan.ledger {
             state.accounts = vec![[0.0; 4]; count];
         }
+        state.make_bonds(bonds);
         state.wall_position = context.planes.iter().map(|plane| plane.point).collect();
         state
     }
@@ -138,7 +141,7 @@ pub(super) fn too_many(context: &Context<'_>, group: usize, count: f64) -> Probl
     .help("check the radius and the extent of the region; lengths are in metres")
 }
 
-fn sphere_mass(radius: f64, density: f64) -> f64 {
+pub(super) fn sphere_mass(radius: f64, density: f64) -> f64 {
     4.0 / 3.0 * PI * (radius * radius * radius) * density
 }
 

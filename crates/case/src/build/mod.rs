@@ -1,5 +1,6 @@
 //! From a checked case to a state and a plan.
 
+mod bonds;
 mod csv;
 mod draft;
 mod lattice;
@@ -7,7 +8,9 @@ mod motion;
 mod placement;
 mod random;
 mod run;
+mod zones;
 
+pub(crate) use bonds::Vibration;
 pub use run::{NoRuns, RunLoader};
 
 use crate::limits::{Found, StepLimits};
@@ -17,8 +20,9 @@ use crate::problem::{Problem, Problems, unless_error};
 use crate::schedule::{Fields, schedule};
 use crate::schema::{self, Particles, Precision, Region};
 use crate::walls::{Plane, planes};
+use bonds::Bonded;
 use draft::{Draft, Spheres};
-use tdem_engine::{Contact, Domain, Integrator, Plan, Schedule, Search, State, cpu, gpu};
+use tdem_engine::{Bond, BondHistory, Contact, Domain, Integrator, Plan, Schedule, Search, State, cpu, gpu};
 
 /// A case ready to run.
 #[derive(Clone, Debug)]
@@ -61,13 +65,17 @@ const COPIES: usize = 3;
 const FRAME: usize = 700;
 
 impl Memory {
-    fn of(particles: usize, plan: &Plan, frames: Option<Fields>) -> Self {
+    fn of(state: &State, plan: &Plan, frames: Option<Fields>) -> Self {
+        let (particles, bonds) = (state.len(), state.bonds.len());
         let fixed = 4 + 2 + 2 + 8 + 8 + 12 + 5 * 24;
         let gear = plan.integrator == Integrator::Gear;
         let optional = if gear { 96 } else { 0 } + if plan.ledger { 32 } else { 0 };
         let contacts = NEIGHBOURS / 2 * size_of::<Contact>();
-        let state = particles * (fixed + optional + contacts);
-        let arrays = cpu::bytes(plan, particles, particles * NEIGHBOURS / 2, 0);
+        let remembered = plan.bonds.as_ref().is_some_and(tdem_engine::BondPlan::remembers);
+        let bond = size_of::<Bond>() + if remembered { size_of::<BondHistory>() } else { 0 };
+        let bonded = if bonds > 0 { 32 + 24 } else { 0 };
+        let state = particles * (fixed + optional + contacts + bonded) + bonds * bond;
+        let arrays = cpu::bytes(plan, particles, particles * NEIGHBOURS / 2, bonds);
         let frame = particles
             * frames.map_or(0, |fields| match (fields.contacts, fields.precision) {
                 (false, _) => FRAME,
@@ -114,7 +122,9 @@ impl Loaded {
         }
         problems.extend(draft.repeated_ids(&context));
         problems.extend(placement::check(&context, &mut draft));
-        let mut constraints = motion::constrain(&context, &mut draft);
+        let (zones, empty) = zones::apply(&context, &mut draft);
+        problems.extend(empty);
+        let mut constraints = motion::constrain(&context, &mut draft, &zones);
         problems.extend(motion::symmetry(&context, &mut draft, &mut constraints));
         let found = Found::of(&context, &draft.state, &draft.group, &constraints);
         let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
@@ -122,17 +132,25 @@ impl Loaded {
         if problems.iter().any(|p| p.severity == crate::Severity::Error) {
             return stop(problems);
         }
-        let interactions = context.materials.interactions(case);
-        let limits = StepLimits::of(&context, &found, &meeting, &interactions);
-        problems.extend(limits.problems(self));
         if !placement::period_is_wide_enough(&context, &found, &mut problems) {
             return stop(problems);
         }
-        let plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
-        let state = draft.finish(&context, &plan);
+        let bonded = Bonded::of(&context, &draft, &mut problems);
+        if problems.iter().any(|p| p.severity == crate::Severity::Error) {
+            return stop(problems);
+        }
+        let interactions = context.materials.interactions(case);
+        let vibration = bonded.as_ref().map(|bonded| bonded.vibration(&context.domain, &draft.state, &constraints));
+        let limits =
+            StepLimits::of(&context, &found, &meeting, &interactions, vibration.as_ref().map(|v| (v, &draft.state)));
+        problems.extend(limits.problems(self));
+        let mut plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
+        let bonds = bonded.as_ref().map_or(Vec::new(), |bonded| bonded.bonds(case, &draft.state));
+        plan.bonds = bonded.map(|bonded| bonded.plan(case));
+        let state = draft.finish(&context, &plan, bonds);
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
-        let memory = Memory::of(state.len(), &plan, (schedule.frame_every > 0).then_some(fields));
+        let memory = Memory::of(&state, &plan, (schedule.frame_every > 0).then_some(fields));
         let ((), warnings) = unless_error(&self.source, problems, ())?;
         Ok(Built { state, plan, schedule, fields, limits, warnings, memory })
     }

@@ -3,23 +3,38 @@
 use super::Context;
 use super::draft::Draft;
 use crate::problem::{Problem, counted, number};
-use crate::schema::{Axis, Particles};
+use crate::schema::{Axis, Component, Prescribed};
 use tdem_engine::Constraint;
 
-/// Applies `fixed` and `prescribed` of all groups; returns the table of constraints.
-pub(super) fn constrain(context: &Context<'_>, draft: &mut Draft) -> Vec<Constraint> {
+/// Applies `fixed` and `prescribed` of all groups, then of all zones, of which the later wins; returns the table of
+/// constraints.
+pub(super) fn constrain(context: &Context<'_>, draft: &mut Draft, zones: &[Vec<u32>]) -> Vec<Constraint> {
     let mut table = vec![Constraint::FREE];
+    let case = &context.loaded.case;
     let of_group: Vec<u16> =
-        context.loaded.case.particles.iter().map(|group| entry(&mut table, constraint(group))).collect();
+        case.particles.iter().map(|group| entry(&mut table, constraint(&group.fixed, &group.prescribed))).collect();
     for k in 0..draft.state.len() {
         apply(draft, k, of_group[usize::from(draft.group[k])], &table);
+    }
+    for (zone, members) in case.zone.iter().zip(zones) {
+        let ordered = constraint(&zone.fixed, &zone.prescribed);
+        for &particle in members.iter().filter(|_| ordered != Constraint::FREE) {
+            let particle = particle as usize;
+            let mut merged = table[usize::from(draft.state.constraint[particle])];
+            for k in 0..3 {
+                merged.velocity[k] = ordered.velocity[k].or(merged.velocity[k]);
+                merged.angular_velocity[k] = ordered.angular_velocity[k].or(merged.angular_velocity[k]);
+            }
+            let index = entry(&mut table, merged);
+            apply(draft, particle, index, &table);
+        }
     }
     table
 }
 
-fn constraint(group: &Particles) -> Constraint {
-    let mut rates = group.prescribed.components();
-    for component in &group.fixed {
+fn constraint(fixed: &[Component], prescribed: &Prescribed) -> Constraint {
+    let mut rates = prescribed.components();
+    for component in fixed {
         rates[*component as usize] = Some(0.0);
     }
     let [x, y, z, rx, ry, rz] = rates;

@@ -3,14 +3,18 @@
 //! Every field is documented with its unit, because editors show these words: the JSON schema comes from these types.
 //! The same schema checks a file before `serde` reads it, so that all structural problems are found at once.
 
+mod bonds;
 mod particles;
 mod quantity;
+mod zone;
 
+pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
 pub use particles::{
     Align, CellKind, Component, Csv, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     SizeDistribution, SizeRange,
 };
-pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, TangentialCoefficient};
+pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
+pub use zone::{Block, Cylinder, Revolution, RibbedBar, Zone};
 
 use quantity::{fraction, non_negative, positive};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -25,7 +29,7 @@ pub struct Case {
     /// What the case is about, in one line.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// What a contact does: "GN" pushes, "GNT" also rubs, "GNTM" also turns.
+    /// What particles do to each other: "GN" pushes, "GNT" also rubs, "GNTM" also turns, "BPM" also bonds.
     pub model: Model,
     /// Seed of all random numbers.
     #[serde(default = "one")]
@@ -51,6 +55,12 @@ pub struct Case {
     /// What happens between two materials, one entry for each pair that can meet.
     #[serde(default)]
     pub interaction: Vec<Interaction>,
+    /// How bonds are computed.
+    #[serde(default)]
+    pub bonds: Bonds,
+    /// What bonds are made of, one entry for each pair of materials that is bonded. Needed with the model BPM.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bond: Vec<Joint>,
     /// Plane walls.
     #[serde(default)]
     pub wall: Vec<Wall>,
@@ -59,6 +69,9 @@ pub struct Case {
     pub boxes: Vec<Container>,
     /// Groups of particles.
     pub particles: Vec<Particles>,
+    /// Parts of space whose particles are made of something else, or move otherwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub zone: Vec<Zone>,
     /// Planes of mirror symmetry through centres of particles.
     #[serde(default)]
     pub symmetry: Vec<Symmetry>,
@@ -92,7 +105,7 @@ impl JsonSchema for Preset {
     }
 }
 
-/// What a contact does.
+/// What particles do to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Model {
     /// Normal force only.
@@ -101,6 +114,16 @@ pub enum Model {
     GNT,
     /// Normal and tangential force and the moments they make.
     GNTM,
+    /// Bonds that break, and contacts as with GNTM.
+    BPM,
+}
+
+impl Model {
+    /// Whether particles turn.
+    #[must_use]
+    pub fn turns(self) -> bool {
+        matches!(self, Model::GNTM | Model::BPM)
+    }
 }
 
 /// Step and duration.

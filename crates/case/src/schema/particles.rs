@@ -21,6 +21,10 @@ pub struct Particles {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
     pub random_speed: Option<[NonNegative; 2]>,
+    /// Rates at which x, y, z stretch at the start, 1/s: the rate times the coordinate is added to the velocity, so that
+    /// what is pulled starts without a shock.
+    #[schemars(extend("x-unit" = "1/s"))]
+    pub strain_rate: [f64; 3],
     /// Initial angular velocity, rad/s; added to what `csv` or `run` say.
     #[schemars(extend("x-unit" = "rad/s"))]
     pub angular_velocity: [f64; 3],
@@ -29,6 +33,8 @@ pub struct Particles {
     /// Components that move at a given rate, m/s or rad/s, such as { x = 0.1 }.
     #[serde(skip_serializing_if = "Prescribed::is_empty")]
     pub prescribed: Prescribed,
+    /// Whether particles are bonded to none, even where a [[bond]] joins their materials.
+    pub loose: bool,
     /// Whether particles may overlap others, or walls, at the start by more than 1e-6 of a radius.
     pub allow_overlap: bool,
     /// On a regular lattice.

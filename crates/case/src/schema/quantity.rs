@@ -107,6 +107,7 @@ macro_rules! word {
 }
 word!(auto, "auto");
 word!(sixteen_thirds, "16/3");
+word!(unbreakable, "unbreakable");
 
 impl JsonSchema for Step {
     fn inline_schema() -> bool {
@@ -157,6 +158,40 @@ impl JsonSchema for TangentialCoefficient {
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({ "anyOf": [{ "const": "16/3" }, { "type": "number", "exclusiveMinimum": 0.0 }] })
+    }
+}
+
+/// A strength: Pa, or `"unbreakable"`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Strength {
+    /// None is enough.
+    #[serde(with = "unbreakable")]
+    Unbreakable,
+    /// As given, Pa.
+    Pascals(Positive),
+}
+
+impl Strength {
+    /// The number itself, Pa; infinite if it never breaks.
+    #[must_use]
+    pub fn get(self) -> f64 {
+        match self {
+            Strength::Unbreakable => f64::INFINITY,
+            Strength::Pascals(number) => number.get(),
+        }
+    }
+}
+
+impl JsonSchema for Strength {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "Strength".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "const": "unbreakable" }, { "type": "number", "exclusiveMinimum": 0.0 }] })
     }
 }
 

@@ -1,0 +1,263 @@
+//! What the text shows to be wrong with bonds and zones.
+
+use super::{COMPONENTS, Checker};
+use crate::problem::Problem;
+use crate::schema::{Joint, Micro, Model, Solid, Zone};
+use std::collections::BTreeMap;
+use tdem_engine::physics::bond::face_centred;
+
+impl Checker<'_> {
+    pub(super) fn bonds(&mut self) {
+        let bonds = &self.case.bond;
+        if self.case.model == Model::BPM && bonds.is_empty() {
+            let place = self.place(&["model"]);
+            self.push(
+                Problem::error("tdem::case::missing-bond", "the model is BPM, but nothing says what bonds are made of")
+                    .at(place, "bonds particles")
+                    .help(
+                        "add a [[bond]] with between = [..., ...], its stiffness and its strength; or choose \"GNTM\"",
+                    ),
+            );
+        }
+        if self.case.model != Model::BPM && !bonds.is_empty() {
+            let [place, cause] = [&["bond", "0", "between"][..], &["model"]].map(|path| self.place(path));
+            self.push(
+                Problem::error("tdem::case::bonds-need-bpm", "the case describes bonds, but its model has none")
+                    .at(cause, "does not bond")
+                    .at(place, "bonds are described here")
+                    .help("write model = \"BPM\", which is GNTM with bonds, or remove [[bond]]"),
+            );
+        }
+        let mut seen: BTreeMap<[&str; 2], usize> = BTreeMap::new();
+        for (k, joint) in bonds.iter().enumerate() {
+            let index = k.to_string();
+            for (n, name) in joint.between.iter().enumerate() {
+                self.material(name, false, &["bond", &index, "between", &n.to_string()]);
+            }
+            let mut pair = joint.between.each_ref().map(String::as_str);
+            pair.sort_unstable();
+            if let Some(first) = seen.insert(pair, k) {
+                let first = self.place(&["bond", &first.to_string(), "between"]);
+                let again = self.place(&["bond", &index, "between"]);
+                self.push(
+                    Problem::error(
+                        "tdem::case::duplicate-bond",
+                        format!("the bonds of `{}` and `{}` are given twice", pair[0], pair[1]),
+                    )
+                    .at(again, "again here")
+                    .at(first, "first here")
+                    .help("keep one of them"),
+                );
+            }
+            self.stiffness(joint, &index);
+            self.strengths(joint, &index);
+        }
+    }
+
+    fn stiffness(&mut self, joint: &Joint, index: &str) {
+        let given: Vec<&str> =
+            [("lattice", joint.lattice.is_some()), ("micro", joint.micro.is_some()), ("series", joint.series)]
+                .into_iter()
+                .filter_map(|(key, there)| there.then_some(key))
+                .collect();
+        match given.as_slice() {
+            [] => self.lacking(
+                joint,
+                index,
+                "`lattice`, `micro` or `series`",
+                "lattice = { young_modulus = ..., poisson_ratio = ... }",
+            ),
+            [one, other, ..] => self.exclusive(&["bond", index], one, other),
+            _ => {}
+        }
+        if let Some(solid) = &joint.lattice {
+            self.solid(solid, index);
+        }
+        if let Some(Micro { young_modulus, stiffness_per_area, .. }) = &joint.micro {
+            match (young_modulus, stiffness_per_area) {
+                (Some(_), Some(_)) => self.exclusive(&["bond", index, "micro"], "young_modulus", "stiffness_per_area"),
+                (None, None) => {
+                    self.lacking(joint, index, "`micro.young_modulus`", "young_modulus = ..., in Pa, to `micro`");
+                }
+                _ => {}
+            }
+        }
+        if joint.series {
+            let [first, second] = &joint.between;
+            let own = |name: &String| self.case.bond.iter().any(|j| !j.series && j.between.iter().all(|n| n == name));
+            if first == second || !own(first) || !own(second) {
+                let place = self.place(&["bond", index, "series"]);
+                self.push(
+                    Problem::error(
+                        "tdem::case::bond-series",
+                        "bonds in series join two materials, each of which has bonds of its own",
+                    )
+                    .at(place, format!("needs a [[bond]] for `{first}` alone and one for `{second}` alone"))
+                    .help("say how stiff these bonds are with `lattice` or `micro`"),
+                );
+            }
+        }
+    }
+
+    fn solid(&mut self, solid: &Solid, index: &str) {
+        match face_centred::stiffness_ratio(solid.poisson_ratio.get()) {
+            Err(error) => {
+                let place = self.place(&["bond", index, "lattice", "poisson_ratio"]);
+                self.push(
+                    Problem::error("tdem::case::poisson-unreachable", error.to_string())
+                        .at(place, format!("must be from {} to {:.4}", error.least, error.greatest))
+                        .help("bonds on this lattice resist shear with springs, which gives no other Poisson's ratio"),
+                );
+            }
+            Ok(0.0) if solid.shear_factor.is_some() => {
+                let place = self.place(&["bond", index, "lattice", "shear_factor"]);
+                let cause = self.place(&["bond", index, "lattice", "poisson_ratio"]);
+                self.push(
+                    Problem::error(
+                        "tdem::case::zero-strength",
+                        "these bonds feel no shear, a multiple of which is no strength",
+                    )
+                    .at(place, "gives a strength of 0 Pa")
+                    .at(cause, "leaves no shear stiffness")
+                    .help("give `shear_strength` instead, in Pa"),
+                );
+            }
+            Ok(_) => {}
+        }
+        if solid.shear_factor.is_some() && solid.tensile_strength.is_none() {
+            let place = self.place(&["bond", index, "lattice", "shear_factor"]);
+            self.push(
+                Problem::error(
+                    "tdem::case::missing-parameter",
+                    "`shear_factor` is a multiple of what the tensile strength causes",
+                )
+                .at(place, "`tensile_strength` belongs beside it")
+                .help("add tensile_strength = ..., in Pa, of the solid; or give `shear_strength` of the bonds"),
+            );
+        }
+    }
+
+    fn strengths(&mut self, joint: &Joint, index: &str) {
+        let of_solid = |pick: fn(&Solid) -> bool| joint.lattice.as_ref().is_some_and(pick);
+        let both = [
+            (
+                "tensile_strength",
+                "tensile_strength",
+                joint.tensile_strength,
+                of_solid(|s| s.tensile_strength.is_some()),
+            ),
+            ("shear_strength", "shear_factor", joint.shear_strength, of_solid(|s| s.shear_factor.is_some())),
+        ];
+        for (key, of_solid, own, solid) in both {
+            match (own, solid) {
+                (None, false) => {
+                    self.lacking(joint, index, &format!("`{key}`"), &format!("{key} = ..., in Pa, or \"unbreakable\""));
+                }
+                (Some(_), true) => {
+                    let place = self.place(&["bond", index, key]);
+                    let other = self.place(&["bond", index, "lattice", of_solid]);
+                    self.push(
+                        Problem::error("tdem::case::conflicting-keys", format!("`{key}` is given twice"))
+                            .at(place, "for the bonds")
+                            .at(other, "and for the solid")
+                            .help("keep one of them"),
+                    );
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn lacking(&mut self, joint: &Joint, index: &str, what: &str, add: &str) {
+        let [first, second] = &joint.between;
+        let place = self.place(&["bond", index]);
+        self.push(
+            Problem::error(
+                "tdem::case::missing-parameter",
+                format!("the bonds of `{first}` and `{second}` lack {what}"),
+            )
+            .at(place, format!("{what} belongs here"))
+            .help(format!("add {add}")),
+        );
+    }
+
+    pub(super) fn zones(&mut self) {
+        for (k, zone) in self.case.zone.iter().enumerate() {
+            self.zone(zone, &k.to_string());
+        }
+    }
+
+    fn zone(&mut self, zone: &Zone, index: &str) {
+        for (key, name) in [("only", &zone.only), ("material", &zone.material)] {
+            if let Some(name) = name {
+                self.material(name, false, &["zone", index, key]);
+            }
+        }
+        let shapes: Vec<&str> = [
+            ("box", zone.block.is_some()),
+            ("cylinder", zone.cylinder.is_some()),
+            ("ribbed_bar", zone.ribbed_bar.is_some()),
+            ("revolution", zone.revolution.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(key, there)| there.then_some(key))
+        .collect();
+        let here = self.place(&["zone", index]);
+        match shapes.as_slice() {
+            [] => self.push(
+                Problem::error("tdem::case::zone-shape", "this zone has no shape")
+                    .at(here.clone(), "`box`, `cylinder`, `ribbed_bar` or `revolution` belongs here")
+                    .help("add box = { min = [..., ..., ...], max = [..., ..., ...] }, for instance"),
+            ),
+            [first, second, ..] => {
+                let [place, other] = [second, first].map(|key| self.tree.key_place(&["zone", index, key]));
+                self.push(
+                    Problem::error("tdem::case::zone-shape", "a zone has one shape")
+                        .at(place, "one too many")
+                        .at(other, "the other")
+                        .help("make a [[zone]] of its own for each"),
+                );
+            }
+            _ => {}
+        }
+        if zone.material.is_none() && zone.fixed.is_empty() && zone.prescribed.is_empty() {
+            self.push(
+                Problem::error("tdem::case::zone-idle", "this zone changes nothing")
+                    .at(here, "`material`, `fixed` or `prescribed` belongs here")
+                    .help("say what the particles in it are made of or how they move"),
+            );
+        }
+        for (k, component) in zone.fixed.iter().enumerate() {
+            let component = *component as usize;
+            if zone.prescribed.components()[component].is_some() {
+                let name = COMPONENTS[component].1;
+                let place = self.place(&["zone", index, "fixed", &k.to_string()]);
+                let other = self.place(&["zone", index, "prescribed", name]);
+                self.push(
+                    Problem::error("tdem::case::fixed-and-prescribed", format!("`{name}` is fixed and prescribed"))
+                        .at(place, "fixed here")
+                        .at(other, "prescribed here")
+                        .help("keep one of them"),
+                );
+            }
+        }
+        if let Some(block) = &zone.block {
+            self.corners_if_given(&["zone", index, "box"], block.min, block.max);
+        }
+        if let Some(revolution) = &zone.revolution {
+            for k in 1..revolution.profile.len() {
+                let [before, after] = [revolution.profile[k - 1][0], revolution.profile[k][0]];
+                if before >= after {
+                    let place = self.place(&["zone", index, "revolution", "profile", &k.to_string()]);
+                    self.push(
+                        Problem::error(
+                            "tdem::case::inverted-range",
+                            format!("the profile goes from {before} m to {after} m along its axis"),
+                        )
+                        .at(place, "must be farther along than the point before it"),
+                    );
+                }
+            }
+        }
+    }
+}
