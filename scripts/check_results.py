@@ -159,6 +159,58 @@ def check_physics(findings, frame, row):
         findings.check(not wrong.any(), f"{where}: {wrong.sum()} contact lines are not as long as their spheres ask")
 
 
+def check_bonds(findings, frame, row):
+    """Bonds, cracks and what they say of particles, against each other and the row of the history of the same step."""
+    where = f"step {frame['step']}"
+    particles, cracks = frame["blocks"]["particles"], frame["blocks"]["cracks"]
+    field, broken = particles["point"], cracks["point"]
+    findings.check(field["bonds"].sum() == 2 * row["bonds"], f"{where}: bonds of particles")
+    findings.check(len(cracks["points"]) == row["broken_bonds"], f"{where}: number of cracks")
+    energy = broken["energy"].astype(float)
+    findings.close(energy.sum(), row["breakage_dissipated"], np.abs(energy).sum(), f"{where}: energy of cracks")
+    findings.check(bool(np.all(broken["breakage_step"] <= frame["step"])), f"{where}: cracks of the future")
+    findings.check(bool(np.all(broken["breakage_time"] <= frame["time"] * (1 + SINGLE))), f"{where}: times of cracks")
+    length = np.linalg.norm(broken["normal"].astype(float), axis=1)
+    findings.check(bool(np.all(np.abs(length - 1) < SINGLE)), f"{where}: normals of cracks")
+    if "bonds" not in frame["blocks"]:
+        return
+
+    bonds = frame["blocks"]["bonds"]
+    cell, ends = bonds["cell"], bonds["points"].astype(float).reshape(-1, 2, 3)
+    holds = cell["holds"] == 1
+    findings.check(len(ends) == row["bonds"] + row["broken_bonds"], f"{where}: number of bonds")
+    findings.check(holds.sum() == row["bonds"], f"{where}: bonds that hold")
+    findings.check(bool(np.all(holds == (cell["failure"] == 0))), f"{where}: failure of bonds that hold")
+    findings.check(bool(np.all(holds == np.isnan(cell["breakage_time"]))), f"{where}: time of bonds that hold")
+    findings.check(not np.any(cell["force"][~holds]), f"{where}: forces of broken bonds")
+    findings.check(np.array_equal(cell["first"][~holds], broken["first"]), f"{where}: cracks and broken bonds")
+    place = {name: index for index, name in enumerate(field["id"])}
+    counts = np.zeros((2, len(place)))
+    for first, second, whole in zip(cell["first"], cell["second"], holds):
+        for name in (first, second):
+            counts[:, place[name]] += (whole, 1)
+    damage = 1 - counts[0] / np.maximum(counts[1], 1)
+    damage[counts[1] == 0] = 0
+    findings.check(bool(np.allclose(field["damage"], damage, atol=SINGLE)), f"{where}: damage")
+
+    if "contacts" in frame["blocks"]:
+        # All particles together have the stress of all pairs. At a wall the arm is half an overlap longer than the line.
+        contacts = frame["blocks"]["contacts"]
+        lines = contacts["points"].astype(float).reshape(-1, 2, 3)
+        ways = lines[:, 1] - lines[:, 0]
+        at_wall = contacts["cell"]["wall"] >= 0
+        size = np.maximum(np.linalg.norm(ways, axis=1), 1e-30)
+        ways[at_wall] *= (1 + 0.5 * contacts["cell"]["overlap"] / size)[at_wall, None]
+        ways = np.concatenate([ways, ends[:, 1] - ends[:, 0]])
+        forces = np.concatenate([contacts["cell"]["force"], cell["force"]]).astype(float)
+        products = np.einsum("ki,kj->kij", ways, forces)
+        volume = 4 / 3 * np.pi * field["radius"].astype(float) ** 3
+        total = (volume[:, None] * field["stress"].astype(float)).sum(axis=0)
+        pairs, scale = products.sum(axis=0), 10 * np.abs(products).sum()
+        for index, (a, b) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)]):
+            findings.close(total[index], 0.5 * (pairs[a, b] + pairs[b, a]), scale, f"{where}: stress {a}{b}")
+
+
 def check_displacement(findings, frames):
     """Steps of the displacement are those of the position, but for whole boxes where the domain repeats."""
     first = frames[0]["blocks"]["particles"]
@@ -183,6 +235,8 @@ def check_run(findings, run):
         check_single_frame(findings, frame)
         if frame["step"] in history:
             check_physics(findings, frame, history[frame["step"]])
+            if "cracks" in frame["blocks"]:
+                check_bonds(findings, frame, history[frame["step"]])
     check_displacement(findings, frames)
     names = sorted({name for frame in frames for name in frame["blocks"]})
     masters = sorted(run.glob("*.vtkhdf"))

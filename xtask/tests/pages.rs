@@ -39,14 +39,28 @@ fn outputs() -> String {
             Place::Particles => ("particles.vtkhdf", "one point per particle"),
             Place::Contacts => ("contacts.vtkhdf", "one line per contact, if the case asks for contacts"),
             Place::Walls => ("walls.vtkhdf", "one polygon per wall"),
+            Place::Bonds => ("bonds.vtkhdf", "one line per bond, broken ones too, unless the case asks for none"),
+            Place::Cracks => {
+                ("cracks.vtkhdf", "one point per bond that broke so far, at its middle as particles lie now")
+            }
             Place::History => ("history.csv", "one row per recorded step"),
         };
-        let _ = write!(page, "\n## {file}\n\n{what}\n\n| name | unit | components | meaning |\n|---|---|---|---|\n");
-        for Entry { name, unit, components, description, .. } in place.entries() {
-            let _ = writeln!(page, "| `{name}` | {unit} | {components} | {description} |");
+        let _ = write!(page, "\n## {file}\n\n{what}\n\n");
+        entries(&mut page, &place.entries());
+        if !place.with_bonds().is_empty() {
+            page += "\nand in runs with bonds\n\n";
+            entries(&mut page, &place.with_bonds());
         }
     }
     page
+}
+
+/// A table of what is written somewhere.
+fn entries(page: &mut String, entries: &[Entry]) {
+    *page += "| name | unit | components | meaning |\n|---|---|---|---|\n";
+    for Entry { name, unit, components, description, .. } in entries {
+        let _ = writeln!(page, "| `{name}` | {unit} | {components} | {description} |");
+    }
 }
 
 fn case_file() -> String {

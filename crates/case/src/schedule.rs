@@ -13,6 +13,8 @@ const HISTORY_ROWS: f64 = 1000.0;
 pub struct Fields {
     /// Whether contacts are written as lines between centres.
     pub contacts: bool,
+    /// Whether bonds, if there are some, are written as lines between centres.
+    pub bonds: bool,
     /// Precision of real numbers.
     pub precision: Precision,
     /// How hard frames are compressed, 0 to 9.
@@ -42,6 +44,11 @@ pub(crate) fn schedule(case: &Case, dt: f64) -> Schedule {
 
 impl Fields {
     pub(crate) fn of(output: &Output) -> Self {
-        Fields { contacts: output.contacts, precision: output.precision, compression: output.compression }
+        Fields {
+            contacts: output.contacts,
+            bonds: output.bonds.unwrap_or(true),
+            precision: output.precision,
+            compression: output.compression,
+        }
     }
 }

@@ -55,6 +55,7 @@ pub(crate) fn kept(loaded: &Loaded, built: &Built) -> Result<String, Reports> {
 pub(crate) fn contents(fields: Fields) -> Contents {
     Contents {
         contacts: fields.contacts,
+        bonds: fields.bonds,
         precision: match fields.precision {
             tdem_case::schema::Precision::Single => Precision::Single,
             tdem_case::schema::Precision::Double => Precision::Double,

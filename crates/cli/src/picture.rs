@@ -61,6 +61,10 @@ enum Field {
     Force,
     /// Number of the material
     Material,
+    /// Mean of the three normal stresses from contacts and bonds, Pa, tension positive
+    Stress,
+    /// Share of the bonds that broke
+    Damage,
 }
 
 impl Field {
@@ -72,6 +76,8 @@ impl Field {
             Field::Radius => (Colour::Radius, " m"),
             Field::Force => (Colour::Force, " N"),
             Field::Material => (Colour::Material, ""),
+            Field::Stress => (Colour::Stress, " Pa"),
+            Field::Damage => (Colour::Damage, ""),
         }
     }
     fn name(self) -> String {
@@ -113,7 +119,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let built = cases::build(&cases::load(&run.join("case.toml"), &[])?)?;
     let state = choose(arguments, &built.plan)?;
     let (colour, unit) = arguments.field.colour();
-    let values = colour.values(&state);
+    let values = colour.values(&state, &built.plan);
     let own = [
         values.iter().copied().fold(f64::INFINITY, f64::min),
         values.iter().copied().fold(f64::NEG_INFINITY, f64::max),

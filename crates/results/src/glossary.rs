@@ -1,9 +1,10 @@
 //! The names, units and meanings of everything a run writes, in one table per place where it is written.
 //!
 //! Each line also says how the values are found, so that what is written and what is documented cannot part ways.
-//! Vectors have three components; in `history.csv` they take three columns, `_x`, `_y`, `_z`.
+//! Vectors have three components; in `history.csv` they take three columns, `_x`, `_y`, `_z`. Symmetric tensors have six,
+//! in VTK's order: xx, yy, zz, xy, yz, xz.
 
-use crate::blocks::{Pair, Scene, WallSum};
+use crate::blocks::{Link, Pair, Scene, WallSum};
 use crate::history::Row;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -19,7 +20,7 @@ pub struct Entry {
     pub description: &'static str,
     /// How it is stored.
     pub kind: Kind,
-    /// 1, or 3 for a vector.
+    /// 1, 3 for a vector, or 6 for a symmetric tensor.
     pub components: usize,
 }
 
@@ -43,13 +44,18 @@ pub enum Place {
     Contacts,
     /// Polygons of `walls.vtkhdf`.
     Walls,
+    /// Lines of `bonds.vtkhdf`.
+    Bonds,
+    /// Points of `cracks.vtkhdf`.
+    Cracks,
     /// Columns of `history.csv`.
     History,
 }
 
 impl Place {
     /// All places.
-    pub const ALL: [Place; 4] = [Place::Particles, Place::Contacts, Place::Walls, Place::History];
+    pub const ALL: [Place; 6] =
+        [Place::Particles, Place::Contacts, Place::Walls, Place::Bonds, Place::Cracks, Place::History];
 
     /// Name of the block or file, without ending.
     #[must_use]
@@ -58,18 +64,32 @@ impl Place {
             Place::Particles => "particles",
             Place::Contacts => "contacts",
             Place::Walls => "walls",
+            Place::Bonds => "bonds",
+            Place::Cracks => "cracks",
             Place::History => "history",
         }
     }
 
-    /// What is written there, in the order in which it is written.
+    /// What is written there in every run, in the order in which it is written; [`Place::with_bonds`] follows.
     #[must_use]
     pub fn entries(self) -> Vec<Entry> {
         match self {
             Place::Particles => PARTICLES.iter().map(|quantity| quantity.entry).collect(),
             Place::Contacts => CONTACTS.iter().map(|quantity| quantity.entry).collect(),
             Place::Walls => WALLS.iter().map(|quantity| quantity.entry).collect(),
+            Place::Bonds => BONDS.iter().map(|quantity| quantity.entry).collect(),
+            Place::Cracks => CRACKS.iter().map(|quantity| quantity.entry).collect(),
             Place::History => HISTORY.iter().map(|quantity| quantity.entry).collect(),
+        }
+    }
+
+    /// What else is written there in runs with bonds.
+    #[must_use]
+    pub fn with_bonds(self) -> Vec<Entry> {
+        match self {
+            Place::Particles => PARTICLES_WITH_BONDS.iter().map(|quantity| quantity.entry).collect(),
+            Place::History => HISTORY_WITH_BONDS.iter().map(|quantity| quantity.entry).collect(),
+            Place::Contacts | Place::Walls | Place::Bonds | Place::Cracks => Vec::new(),
         }
     }
 }
@@ -89,7 +109,7 @@ impl Entry {
 pub fn markdown() -> String {
     let mut text = String::from("| where | name | unit | components | meaning |\n|---|---|---|---|---|\n");
     for place in Place::ALL {
-        for entry in place.entries() {
+        for entry in place.entries().into_iter().chain(place.with_bonds()) {
             let Entry { name, unit, description, components, .. } = entry;
             let line = [place.name(), &format!("`{name}`"), unit, &components.to_string(), description].join(" | ");
             text.extend(["| ", &line, " |\n"]);
@@ -112,6 +132,7 @@ pub(crate) struct Quantity<F> {
 
 type OfParticles = for<'a> fn(&Scene<'a>) -> Values<'a>;
 type OfPairs = fn(&[Pair]) -> Values<'static>;
+type OfLinks = fn(&[Link]) -> Values<'static>;
 type OfWalls = fn(&Scene<'_>, &[WallSum]) -> Values<'static>;
 type OfRow = fn(&Row) -> Values<'static>;
 
@@ -120,6 +141,9 @@ const fn real<F>(name: &'static str, unit: &'static str, description: &'static s
 }
 const fn vector<F>(name: &'static str, unit: &'static str, description: &'static str, values: F) -> Quantity<F> {
     Quantity { entry: Entry { name, unit, description, kind: Kind::Real, components: 3 }, values }
+}
+const fn tensor<F>(name: &'static str, unit: &'static str, description: &'static str, values: F) -> Quantity<F> {
+    Quantity { entry: Entry { name, unit, description, kind: Kind::Real, components: 6 }, values }
 }
 const fn integer<F>(name: &'static str, description: &'static str, values: F) -> Quantity<F> {
     Quantity { entry: Entry { name, unit: "1", description, kind: Kind::Integer, components: 1 }, values }
@@ -140,14 +164,14 @@ fn flat(vectors: &[[f64; 3]]) -> Values<'_> {
 fn integers<T: Copy + Into<i64> + Sync>(values: &[T]) -> Values<'static> {
     Values::Integer(values.par_iter().map(|&value| value.into()).collect())
 }
-fn of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> f64 + Send + Sync) -> Values<'static> {
-    owned(pairs.par_iter().map(value).collect())
+fn reals_of<T: Sync>(items: &[T], value: impl Fn(&T) -> f64 + Send + Sync) -> Values<'static> {
+    owned(items.par_iter().map(value).collect())
 }
-fn vectors_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> [f64; 3] + Send + Sync) -> Values<'static> {
-    owned(pairs.par_iter().map(value).collect::<Vec<_>>().into_flattened())
+fn vectors_of<T: Sync>(items: &[T], value: impl Fn(&T) -> [f64; 3] + Send + Sync) -> Values<'static> {
+    owned(items.par_iter().map(value).collect::<Vec<_>>().into_flattened())
 }
-fn ids_of_pairs(pairs: &[Pair], value: impl Fn(&Pair) -> i64 + Send + Sync) -> Values<'static> {
-    Values::Integer(pairs.par_iter().map(value).collect())
+fn ids_of<T: Sync>(items: &[T], value: impl Fn(&T) -> i64 + Send + Sync) -> Values<'static> {
+    Values::Integer(items.par_iter().map(value).collect())
 }
 fn one(value: f64) -> Values<'static> {
     owned(vec![value])
@@ -174,16 +198,76 @@ pub(crate) static PARTICLES: &[Quantity<OfParticles>] = &[
     integer("coordination_number", "number of particles touched", |s| Values::Integer(s.coordination_number())),
 ];
 
-pub(crate) static CONTACTS: &[Quantity<OfPairs>] = &[
-    id("first", "id of the particle where the line begins", |p| ids_of_pairs(p, |pair| pair.first)),
-    id("second", "id of the particle where the line ends, -1 for a wall", |p| ids_of_pairs(p, |pair| pair.second)),
-    integer("wall", "index of the wall where the line ends, -1 for a particle", |p| ids_of_pairs(p, |pair| pair.wall)),
-    real("overlap", "m", "overlap, positive in contact", |p| of_pairs(p, |pair| pair.overlap)),
-    real("normal_force", "N", "normal force, positive when it pushes apart", |p| of_pairs(p, |pair| pair.normal_force)),
-    vector("force", "N", "force on the first particle", |p| vectors_of_pairs(p, |pair| pair.force)),
-    vector("tangential_displacement", "m", "stored displacement of the second surface relative to the first", |p| {
-        vectors_of_pairs(p, |pair| pair.displacement)
+pub(crate) static PARTICLES_WITH_BONDS: &[Quantity<OfParticles>] = &[
+    tensor(
+        "stress",
+        "Pa",
+        "mean stress in the sphere from the forces of contacts and bonds on it, over the sphere's own volume; tension \
+         positive; the symmetric part: xx, yy, zz, xy, yz, xz",
+        |s| owned(s.stress().into_flattened()),
+    ),
+    integer("bonds", "number of bonds that hold", |s| Values::Integer(s.bonds_that_hold())),
+    real("damage", "1", "share of the particle's bonds that broke; 0 for a particle without any", |s| {
+        owned(s.damage())
     }),
+];
+
+pub(crate) static CONTACTS: &[Quantity<OfPairs>] = &[
+    id("first", "id of the particle where the line begins", |p| ids_of(p, |pair| pair.first)),
+    id("second", "id of the particle where the line ends, -1 for a wall", |p| ids_of(p, |pair| pair.second)),
+    integer("wall", "index of the wall where the line ends, -1 for a particle", |p| ids_of(p, |pair| pair.wall)),
+    real("overlap", "m", "overlap, positive in contact", |p| reals_of(p, |pair| pair.overlap)),
+    real("normal_force", "N", "normal force, positive when it pushes apart", |p| reals_of(p, |pair| pair.normal_force)),
+    vector("force", "N", "force on the first particle", |p| vectors_of(p, |pair| pair.force)),
+    vector("tangential_displacement", "m", "stored displacement of the second surface relative to the first", |p| {
+        vectors_of(p, |pair| pair.displacement)
+    }),
+];
+
+pub(crate) static BONDS: &[Quantity<OfLinks>] = &[
+    id("first", "id of the particle where the line begins", |b| ids_of(b, |link| link.first)),
+    id("second", "id of the particle where the line ends", |b| ids_of(b, |link| link.second)),
+    integer("holds", "1 while the bond holds, 0 once it is broken; forces and stresses are then zero", |b| {
+        ids_of(b, |link| link.breakage.is_none().into())
+    }),
+    vector("force", "N", "force on the first particle, that of dashpots included", |b| {
+        vectors_of(b, |link| link.force)
+    }),
+    real("normal_force", "N", "normal force of the spring, positive in tension", |b| {
+        reals_of(b, |link| link.load.normal)
+    }),
+    vector("shear_force", "N", "shear force of the spring on the first particle", |b| {
+        vectors_of(b, |link| link.load.shear.into())
+    }),
+    real("torsion_moment", "N m", "moment of torsion of the spring on the first particle, about the normal", |b| {
+        reals_of(b, |link| link.load.torsion)
+    }),
+    vector("bending_moment", "N m", "moment of bending of the spring on the first particle", |b| {
+        vectors_of(b, |link| link.load.bending.into())
+    }),
+    real("tensile_stress", "Pa", "greatest tensile stress in the section, bending included", |b| {
+        reals_of(b, |link| link.stress.tensile)
+    }),
+    real("shear_stress", "Pa", "greatest shear stress in the section, torsion included", |b| {
+        reals_of(b, |link| link.stress.shear)
+    }),
+    integer("failure", "how it broke: 0 it holds, 1 in tension, 2 in shear", |b| ids_of(b, Link::failure)),
+    real("breakage_time", "s", "when it broke; not a number while it holds", |b| {
+        reals_of(b, |link| link.breakage_time)
+    }),
+];
+
+pub(crate) static CRACKS: &[Quantity<OfLinks>] = &[
+    id("first", "id of the first particle of the bond", |b| ids_of(b, |link| link.first)),
+    id("second", "id of the second particle of the bond", |b| ids_of(b, |link| link.second)),
+    vector("normal", "1", "unit vector from the first particle to the second, as they lie now", |b| {
+        vectors_of(b, |link| link.normal)
+    }),
+    real("area", "m^2", "section of the bond", |b| reals_of(b, |link| link.area)),
+    id("breakage_step", "step in which it broke", |b| ids_of(b, Link::breakage_step)),
+    real("breakage_time", "s", "when it broke", |b| reals_of(b, |link| link.breakage_time)),
+    integer("failure", "how it broke: 1 in tension, 2 in shear", |b| ids_of(b, Link::failure)),
+    real("energy", "J", "energy that left with the bond", |b| reals_of(b, Link::released_energy)),
 ];
 
 pub(crate) static WALLS: &[Quantity<OfWalls>] = &[
@@ -219,14 +303,26 @@ pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     real("energy_error", "J", "what the ledger does not explain: present + dissipated - work - initial energy", |r| {
         one(r.ledger.energy_error)
     }),
-    real("unbalanced_force_ratio", "1", "mean resultant force on a particle over mean contact force", |r| {
-        one(r.ledger.unbalanced_force_ratio)
-    }),
+    real(
+        "unbalanced_force_ratio",
+        "1",
+        "mean resultant force on a particle over mean force of a contact or bond",
+        |r| one(r.ledger.unbalanced_force_ratio),
+    ),
     id("contacts", "number of touching pairs of particles", |r| count(r.ledger.contacts)),
     id("wall_contacts", "number of particles that touch walls, counted per wall", |r| count(r.ledger.wall_contacts)),
     real("largest_speed", "m/s", "largest speed of a particle", |r| one(r.ledger.largest_speed)),
     real("largest_overlap", "1", "largest overlap of a pair over its mean radius", |r| one(r.ledger.largest_overlap)),
     vector("wall_force", "N", "force of the particles on all walls together", |r| owned(r.ledger.wall_force.to_vec())),
+];
+
+pub(crate) static HISTORY_WITH_BONDS: &[Quantity<OfRow>] = &[
+    real("elastic_bonds", "J", "energy stored in bonds", |r| one(r.ledger.elastic_bonds)),
+    real("breakage_dissipated", "J", "gone with bonds that broke since the start", |r| {
+        one(r.ledger.breakage_dissipated)
+    }),
+    id("bonds", "number of bonds that hold", |r| count(r.ledger.bonds)),
+    id("broken_bonds", "number of bonds that broke", |r| count(r.ledger.broken_bonds)),
 ];
 
 #[cfg(test)]
@@ -237,14 +333,15 @@ mod tests {
     #[test]
     fn every_quantity_is_documented_once_per_place() {
         for place in Place::ALL {
-            let entries = place.entries();
+            let entries = [place.entries(), place.with_bonds()].concat();
             let names: BTreeSet<_> = entries.iter().map(|entry| entry.name).collect();
             assert_eq!(names.len(), entries.len(), "a name is used twice in {}", place.name());
             for Entry { name, unit, description, components, .. } in entries {
                 assert!(!unit.is_empty() && !description.is_empty(), "{name}");
                 assert!(unit.is_ascii() && description.is_ascii(), "attributes of datasets are ASCII: {name}");
                 assert!(!name.contains(['/', '.', ',', '|']), "VTK and CSV cannot hold this name: {name}");
-                assert!(components == 1 || components == 3, "{name}");
+                assert!([1, 3, 6].contains(&components), "{name}");
+                assert!(components < 6 || place != Place::History, "a column of {name} has no name");
             }
         }
         assert!(markdown().contains("| history | `energy_error` | J | 1 |"));

@@ -2,7 +2,7 @@
 
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;
-use crate::glossary::{HISTORY, Place, Values};
+use crate::glossary::{HISTORY, HISTORY_WITH_BONDS, Place, Values};
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -20,10 +20,16 @@ pub struct Row {
 }
 
 impl Row {
+    /// Whether the run has bonds, broken ones too.
+    fn has_bonds(&self) -> bool {
+        self.ledger.bonds + self.ledger.broken_bonds > 0
+    }
+
     /// The row as text, without the end of the line. Every number reads back to the same bits.
-    fn text(&self) -> String {
-        let mut cells = Vec::with_capacity(HISTORY.len());
-        for quantity in HISTORY {
+    fn text(&self, columns: Columns) -> String {
+        let of_bonds = if columns == Columns::WithBonds { HISTORY_WITH_BONDS } else { &[] };
+        let mut cells = Vec::with_capacity(HISTORY.len() + of_bonds.len());
+        for quantity in HISTORY.iter().chain(of_bonds) {
             match (quantity.values)(self) {
                 // Scientific notation prints as few digits as tell the number from its neighbours.
                 Values::Real(values) => cells.extend(values.iter().map(|value| format!("{value:e}"))),
@@ -34,10 +40,25 @@ impl Row {
     }
 }
 
-fn header() -> String {
-    let entries = Place::History.entries();
-    let columns: Vec<String> = entries.iter().flat_map(crate::glossary::Entry::columns).collect();
-    columns.join(",")
+/// What a history has columns for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Columns {
+    /// What every run has.
+    Plain,
+    /// That, and then what runs with bonds have.
+    WithBonds,
+}
+
+impl Columns {
+    /// The first line.
+    fn header(self) -> String {
+        let mut entries = Place::History.entries();
+        if self == Columns::WithBonds {
+            entries.extend(Place::History.with_bonds());
+        }
+        let columns: Vec<String> = entries.iter().flat_map(crate::glossary::Entry::columns).collect();
+        columns.join(",") + "\n"
+    }
 }
 
 /// The history of a run, open at its end.
@@ -45,15 +66,20 @@ fn header() -> String {
 pub(crate) struct History {
     file: File,
     path: PathBuf,
+    columns: Columns,
     /// Bytes of complete rows.
     length: u64,
     last_step: Option<u64>,
 }
 
 impl History {
-    /// Begins a history, over an old one if there is one.
+    /// Begins a history, over an old one if there is one. Its first row decides whether it has columns for bonds.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
-        atomically(path, |unfinished| fs::write(unfinished, header() + "\n").context(Action::Write, path))?;
+        History::with_columns(path, Columns::Plain)
+    }
+
+    fn with_columns(path: &Path, columns: Columns) -> Result<Self, Error> {
+        atomically(path, |unfinished| fs::write(unfinished, columns.header()).context(Action::Write, path))?;
         History::open(path, 0)
     }
 
@@ -64,10 +90,10 @@ impl History {
         file.read_to_end(&mut text).context(Action::Read, path)?;
         let mut lines = text.split_inclusive(|&byte| byte == b'\n');
         let first = lines.next().unwrap_or_default();
-        if first != (header() + "\n").as_bytes() {
-            return Err(Error::HistoryColumns { path: path.into() });
-        }
-        let mut history = History { file, path: path.into(), length: first.len() as u64, last_step: None };
+        let known =
+            [Columns::Plain, Columns::WithBonds].into_iter().find(|columns| columns.header().as_bytes() == first);
+        let Some(columns) = known else { return Err(Error::HistoryColumns { path: path.into() }) };
+        let mut history = History { file, path: path.into(), columns, length: first.len() as u64, last_step: None };
         for line in lines {
             let Some(found) = step_of(line).filter(|&found| found <= step && line.ends_with(b"\n")) else { break };
             history.last_step = Some(found);
@@ -86,7 +112,10 @@ impl History {
 
     /// Adds a row, or nothing.
     pub(crate) fn append(&mut self, row: &Row) -> Result<(), Error> {
-        let text = row.text() + "\n";
+        if self.last_step.is_none() && self.columns == Columns::Plain && row.has_bonds() {
+            *self = History::with_columns(&self.path, Columns::WithBonds)?;
+        }
+        let text = row.text(self.columns) + "\n";
         let result = self.file.seek(SeekFrom::Start(self.length)).and_then(|_| self.file.write_all(text.as_bytes()));
         if let Err(error) = result {
             // Part of the row may be there. The first error is the one to tell.
@@ -144,10 +173,10 @@ mod tests {
 
     #[test]
     fn numbers_read_back_to_the_same_bits() {
-        let text = row(7).text();
+        let text = row(7).text(Columns::Plain);
         let cells: Vec<&str> = text.split(',').collect();
-        let header = header();
-        let names: Vec<&str> = header.split(',').collect();
+        let header = Columns::Plain.header();
+        let names: Vec<&str> = header.trim_end().split(',').collect();
         assert_eq!(cells.len(), names.len());
         let read = |name: &str| -> f64 { cells[names.iter().position(|&n| n == name).unwrap()].parse().unwrap() };
         assert_eq!(read("kinetic_translation").to_bits(), (0.1_f64 + 0.2).to_bits());
@@ -177,6 +206,31 @@ mod tests {
     }
 
     #[test]
+    fn only_runs_with_bonds_have_columns_for_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.csv");
+        History::create(&path).unwrap().append(&row(0)).unwrap();
+        let plain = fs::read_to_string(&path).unwrap();
+        assert_eq!(plain.lines().next().unwrap().split(',').next_back(), Some("wall_force_z"));
+
+        let mut with_bonds = row(0);
+        (with_bonds.ledger.bonds, with_bonds.ledger.broken_bonds) = (0, 2);
+        with_bonds.ledger.breakage_dissipated = 0.25;
+        let mut history = History::create(&path).unwrap();
+        history.append(&with_bonds).unwrap();
+        history.append(&Row { step: 10, ..with_bonds }).unwrap();
+        drop(history);
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with(plain.lines().next().unwrap()), "columns that all runs have stay where they are");
+        assert!(text.lines().next().unwrap().ends_with(",elastic_bonds,breakage_dissipated,bonds,broken_bonds"));
+        assert!(text.lines().skip(1).all(|line| line.ends_with(",0e0,2.5e-1,0,2")), "{text}");
+
+        let mut history = History::open(&path, 5).unwrap();
+        history.append(&Row { step: 10, ..with_bonds }).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), text, "and a run that goes on keeps them");
+    }
+
+    #[test]
     fn other_columns_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("history.csv");
@@ -189,7 +243,8 @@ mod tests {
     #[test]
     fn a_full_disk_is_told_as_such() {
         let file = OpenOptions::new().write(true).open("/dev/full").unwrap();
-        let mut history = History { file, path: "history.csv".into(), length: 0, last_step: None };
+        let mut history =
+            History { file, path: "history.csv".into(), columns: Columns::Plain, length: 0, last_step: None };
         assert!(matches!(history.append(&row(1)), Err(Error::DiskFull { .. })));
         assert_eq!(history.last_step(), None);
     }

@@ -76,7 +76,7 @@ pub fn render(state: &State, plan: &Plan, options: &Options) -> Result<Vec<u8>, 
 
     let [low, high] = subject(state, plan, options.subject);
     let camera = Camera::looking_at(low, high, options.direction, options.view_angle_deg, [columns, rows]);
-    let shades = options.colour.shades(state, options.range);
+    let shades = options.colour.shades(state, plan, options.range);
     let discs: Vec<Disc> = (0..state.len())
         .filter_map(|index| {
             let image = camera.project(state.position[index])?;

@@ -10,7 +10,7 @@
 pub(crate) mod array;
 pub(crate) mod block;
 pub(crate) mod frame;
-mod hdf5;
+pub(crate) mod hdf5;
 pub(crate) mod master;
 
 pub use hdf5::FormatError;

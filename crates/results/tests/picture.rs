@@ -4,7 +4,8 @@
 
 mod common;
 
-use tdem_engine::State;
+use tdem_engine::physics::bond::Failure;
+use tdem_engine::{Breakage, State};
 use tdem_results::Error;
 use tdem_results::picture::{Colour, Options, Subject, render};
 
@@ -70,6 +71,26 @@ fn pictures_are_the_same_every_time_also_of_nothing() {
     let empty = State { wall_position: common::state().wall_position, ..State::default() };
     let (_, nothing) = pixels(&empty, &Options { walls: false, ..options });
     assert!(nothing.iter().all(|&pixel| pixel == [255; 3]));
+}
+
+#[test]
+fn colours_tell_damage_and_stress() {
+    let (mut state, plan) = common::bonded();
+    assert!(Colour::Damage.values(&state, &plan).iter().all(|&damage| damage == 0.0));
+    state.bonds[0].breakage = Some(Breakage { step: 1, failure: Failure::Tension, energy: 0.0 });
+    let damage = Colour::Damage.values(&state, &plan);
+    let damaged: Vec<u32> =
+        state.id.iter().zip(&damage).filter(|(_, damage)| **damage > 0.0).map(|(id, _)| *id).collect();
+    assert_eq!(damaged, [state.bonds[0].first, state.bonds[0].second]);
+
+    // A ball at a corner is moved: only it and its neighbours are under stress.
+    state.position[0][0] -= 1e-4;
+    let stress = Colour::Stress.values(&state, &plan);
+    let neighbour = state.bonds.iter().find(|bond| bond.holds() && bond.first == 0).unwrap().second;
+    assert!(stress[neighbour as usize] != 0.0 && stress[35].abs() < 1e-6 * stress[neighbour as usize].abs());
+    let options = Options { colour: Colour::Damage, subject: Subject::Domain, ..FROM_THE_FRONT };
+    let bytes = render(&state, &plan, &options).unwrap();
+    assert!(bytes != render(&state, &plan, &Options { colour: Colour::Stress, ..options }).unwrap());
 }
 
 #[test]

@@ -399,6 +399,9 @@ pub struct Output {
     pub checkpoint_interval_secs: Positive,
     /// Whether frames show contacts, as lines between centres with their forces.
     pub contacts: bool,
+    /// Whether frames show bonds, as lines between centres with their forces; if left out, they do where there are bonds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bonds: Option<bool>,
     /// Precision of the numbers in frames: "single", or "double".
     pub precision: Precision,
     /// How hard frames are compressed, from 0 (not at all) to 9.
@@ -417,6 +420,7 @@ impl Default for Output {
             checkpoint_interval: None,
             checkpoint_interval_secs: positive(300.0),
             contacts: false,
+            bonds: None,
             precision: Precision::default(),
             // Of a million spheres, level 4 saves 2 % more space than level 1 and takes three times as long.
             compression: 1,

@@ -108,7 +108,7 @@ impl Scene<'_> {
     }
 }
 
-fn array(vector: Vec3<f64>) -> [f64; 3] {
+pub(super) fn array(vector: Vec3<f64>) -> [f64; 3] {
     [vector.x, vector.y, vector.z]
 }
 

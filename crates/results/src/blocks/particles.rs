@@ -1,7 +1,7 @@
 //! Particles as points.
 
 use super::{Precision, Scene, field};
-use crate::glossary::{PARTICLES, Place};
+use crate::glossary::{PARTICLES, PARTICLES_WITH_BONDS, Place};
 use crate::vtkhdf::block::{Block, Cells};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -37,11 +37,14 @@ fn unfolded(state: &State, plan: &Plan, index: usize) -> [f64; 3] {
 
 impl Scene<'_> {
     pub(super) fn particles(&self, precision: Precision) -> Block {
+        let of_bonds = if self.has_bonds() { PARTICLES_WITH_BONDS } else { &[] };
         Block {
             name: Place::Particles.name(),
             points: precision.store(self.state.position.as_flattened()),
             cells: Cells::Vertices,
-            point_fields: PARTICLES.par_iter().map(|q| field(q.entry, (q.values)(self), precision)).collect(),
+            point_fields: (PARTICLES.par_iter().chain(of_bonds))
+                .map(|q| field(q.entry, (q.values)(self), precision))
+                .collect(),
             cell_fields: Vec::new(),
             fixed: false,
         }

@@ -1,6 +1,7 @@
 //! From values to colours.
 
-use tdem_engine::State;
+use crate::blocks::Scene;
+use tdem_engine::{Plan, State};
 
 /// What colours mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +18,10 @@ pub enum Colour {
     Force,
     /// Index of the material.
     Material,
+    /// Mean of the three normal stresses, tension positive.
+    Stress,
+    /// Share of the bonds that broke.
+    Damage,
 }
 
 /// A value between the two ends of the colours, 0 to 1.
@@ -25,7 +30,8 @@ pub type Shade = f32;
 impl Colour {
     /// The values themselves, `(N)`, SI.
     #[must_use]
-    pub fn values(self, state: &State) -> Vec<f64> {
+    pub fn values(self, state: &State, plan: &Plan) -> Vec<f64> {
+        let scene = Scene { state, plan, start: None };
         let sizes = |vectors: &[[f64; 3]]| vectors.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
         match self {
             Colour::Speed => sizes(&state.velocity),
@@ -34,13 +40,15 @@ impl Colour {
             Colour::Height => state.position.iter().map(|position| position[2]).collect(),
             Colour::Radius => state.radius.clone(),
             Colour::Material => state.material.iter().map(|&material| material.into()).collect(),
+            Colour::Stress => scene.stress().iter().map(|[xx, yy, zz, ..]| (xx + yy + zz) / 3.0).collect(),
+            Colour::Damage => scene.damage(),
         }
     }
 
     /// Values as shares of a range, of their own if none is given.
     #[must_use]
-    pub fn shades(self, state: &State, range: Option<[f64; 2]>) -> Vec<Shade> {
-        let values = self.values(state);
+    pub fn shades(self, state: &State, plan: &Plan, range: Option<[f64; 2]>) -> Vec<Shade> {
+        let values = self.values(state, plan);
         let [low, high] = range.unwrap_or_else(|| {
             let finite = || values.iter().copied().filter(|value| value.is_finite());
             [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)]

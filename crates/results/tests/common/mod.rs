@@ -6,8 +6,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use tdem_engine::physics::bond::{self, Cement, Damping, Form, Joint};
 use tdem_engine::physics::contact::{Friction, Interaction, Law};
-use tdem_engine::{Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu};
+use tdem_engine::{
+    Bond, BondPlan, Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu,
+};
 use tdem_results::{Control, Note, Observer, Progress, RunDirectory};
 
 pub(crate) const RADIUS: f64 = 0.05;
@@ -99,6 +102,58 @@ impl Observer for Watcher {
     fn note(&mut self, note: &Note) {
         self.notes.push(*note);
     }
+}
+
+/// A bonded block that falls on the floor of the same box and breaks there.
+pub(crate) fn bonded() -> (State, Plan) {
+    let cement = Cement {
+        stiffness_ratio: 0.4,
+        radius_multiplier: 1.0,
+        tensile_strength: 5e4,
+        shear_strength: 5e4,
+        internal_friction: 0.3,
+        moment_contribution: 1.0,
+        damping_ratio: 0.05,
+    };
+    let bonds = BondPlan {
+        law: bond::Law { form: Form::Total, damping: Damping::Viscous },
+        joints: vec![Some(Joint { cement, stiffness_per_area: 2e7, young_modulus: 0.0 })],
+        contact_in_bonded_pairs: false,
+        local_damping: 0.0,
+    };
+    let (radius, cells) = (0.8 * RADIUS, [4, 3, 3]);
+    let mut state = state();
+    state.position = Vec::new();
+    for k in 0..cells[0] * cells[1] * cells[2] {
+        let place = [k % cells[0], k / cells[0] % cells[1], k / (cells[0] * cells[1])];
+        // Through the face that repeats, in front of the others.
+        let first = [0.42, 0.1, 1.2 * radius];
+        let [x, y, z] = std::array::from_fn(|d| first[d] + 2.0 * radius * f64::from(place[d]));
+        state.position.push([if x < 0.6 { x } else { x - 0.6 }, y, z]);
+    }
+    let count = state.position.len();
+    state.id.truncate(count);
+    state.material.truncate(count);
+    state.constraint.truncate(count);
+    state.image.truncate(count);
+    state.angular_velocity.truncate(count);
+    state.force.truncate(count);
+    state.moment.truncate(count);
+    state.accounts.truncate(count);
+    state.radius = vec![radius; count];
+    state.mass = vec![0.64; count];
+    state.velocity = vec![[0.5, 0.0, -3.0]; count];
+    let plan = Plan { bonds: Some(bonds), ..plan() };
+    let period = plan.domain.period();
+    let place = |index: u32| tdem_engine::physics::Vec3::from(state.position[index as usize]);
+    let near = |&(i, j): &(u32, u32)| {
+        let offset = period.nearest(place(j) - place(i));
+        offset.dot(offset).sqrt() < 2.01 * radius
+    };
+    let pairs = (0..count as u32).flat_map(|i| (i + 1..count as u32).map(move |j| (i, j)));
+    let bonds = pairs.filter(near).map(|(i, j)| Bond::new(i, j, 1.0)).collect();
+    state.make_bonds(bonds);
+    (state, plan)
 }
 
 /// Begins a run and runs it to a step.
