@@ -405,6 +405,6 @@ fn ledger_closes(bench: &mut Bench) -> Result<(), Fault> {
         }
     }
     let what = "closing error over energy that left with bonds";
-    bench.judge(what, "1", errors[2], Kind::Conservation.at_most(2e-3));
+    bench.judge(what, "1", errors[2], Kind::Conservation.at_most(5e-4));
     Ok(())
 }
