@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use tdem_engine::physics::bond::strength::{weibull, weibull_scale};
 use tdem_engine::physics::bond::{Cement, Failure, Form, Joint, Tension};
 use tdem_engine::physics::motion::orientation::Quaternion;
+use tdem_engine::physics::motion::sphere_inertia;
 use tdem_engine::physics::{Vec3, vec3};
 use tdem_engine::{Bond, BondHistory, Constraint, Fault, Integrator, State};
 
@@ -24,6 +25,13 @@ pub(super) const CASES: &[Case] = &[
         source: "w = sqrt(2 K_n / m); Gear's method with six values is of fifth order",
         about: "The same under Gear's method, started with the true derivatives.",
         body: |bench| vibration(bench, Integrator::Gear, 50, 5.0),
+    },
+    Case {
+        name: "bond/modes",
+        tier: Tier::Quick,
+        source: "w^2 = 2 K_n/m, K_s (2/m + l^2/(2I)), 2 K_t/I, 2 K_b/I; leapfrog sin(a/2) = w dt / 2",
+        about: "Two bonded particles swing in each of the four ways of a bond: rate after 500 steps.",
+        body: modes,
     },
     Case {
         name: "bond/damped-vibration",
@@ -110,6 +118,47 @@ fn vibration(bench: &mut Bench, integrator: Integrator, coarsest: u64, order: f6
         let what = format!("order from {} to {} steps", coarsest << k, coarsest << (k + 1));
         let found = libm::log2(errors[k] / errors[k + 1]);
         bench.judge(what, "1", found, Kind::Order.within(order, 0.06 * order));
+    }
+    Ok(())
+}
+
+fn modes(bench: &mut Bench) -> Result<(), Fault> {
+    let (stiffness, steps, part) = (numbers(&JOINT).stiffness, 500, 0.2);
+    let mass = ROCK.sphere_mass(RADIUS);
+    let inertia = sphere_inertia(mass, RADIUS);
+    let shearing = stiffness.shear * (2.0 / mass + SPACING * SPACING / (2.0 * inertia));
+    // Component of the velocities, of the angular velocities, whether the two turn alike, and w^2.
+    let ways = [
+        ("stretch", Some(0), None, 2.0 * stiffness.normal / mass),
+        ("shear", Some(1), None, shearing),
+        ("twist", None, Some(0), 2.0 * stiffness.torsion / inertia),
+        ("bend", None, Some(2), 2.0 * stiffness.bending / inertia),
+    ];
+    for (name, form) in FORMS {
+        for (what, moving, turning, square) in ways {
+            let mut scene = scene(form, JOINT, part);
+            scene.chain(1);
+            let speed = 1e-8 * SPACING / scene.plan.dt;
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                if let Some(component) = moving {
+                    scene.state.velocity[k][component] = sign * speed;
+                }
+                if let Some(component) = turning {
+                    scene.state.angular_velocity[k][component] = sign * speed / RADIUS;
+                }
+            }
+            if what == "shear" {
+                // Both turn against it, as the moments of shear make them: the momenta about the middle cancel.
+                let spin = -mass * SPACING * speed / (2.0 * inertia);
+                scene.state.angular_velocity.iter_mut().for_each(|turn| turn[2] = spin);
+            }
+            let state = bench.after(&scene, steps)?;
+            let moved = moving.map_or(0.0, |component| state.velocity[1][component] / speed);
+            let rate = turning.map_or(moved, |component| RADIUS * state.angular_velocity[1][component] / speed);
+            let turn = 2.0 * libm::asin(0.5 * square.sqrt() * scene.plan.dt);
+            let expected = Kind::ClosedForm.within(libm::cos(steps as f64 * turn), 1e-4);
+            bench.judge(format!("{name}, {what}: rate, of the start"), "1", rate, expected);
+        }
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use super::scene::{Bench, Scene, crossing, random_vector};
 use super::{Case, Kind, Tier};
 use std::f64::consts::PI;
 use tdem_engine::physics::bond::{Cement, Form, Joint};
-use tdem_engine::{Fault, Ledger, State};
+use tdem_engine::{Bond, Fault, Ledger, State};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -63,6 +63,13 @@ pub(super) const CASES: &[Case] = &[
         source: "w_k = 2 sqrt(K_n/m) sin((2k-1) pi / (2 (2n+1))), leapfrog sin(a/2) = w dt / 2",
         about: "A chain of 10 bonds with one end clamped swings along itself in modes 1, 3 and 10.",
         body: axial_vibration,
+    },
+    Case {
+        name: "chain/wave-speed",
+        tier: Tier::Quick,
+        source: "w = 2 sqrt(K_n/m) sin(k l/2), leapfrog sin(a/2) = w dt / 2; long waves: c = l sqrt(K_n/m)",
+        about: "A wave of 40 bonds runs once around a chain that closes upon itself through the box.",
+        body: wave_speed,
     },
     Case {
         name: "chain/bending-vibration",
@@ -250,6 +257,43 @@ fn axial_vibration(bench: &mut Bench) -> Result<(), Fault> {
         let what = format!("mode {mode}: amplitude after {steps} steps, of the start");
         bench.judge(what, "1", of_start, Kind::ClosedForm.within(expected, 1e-8));
     }
+    Ok(())
+}
+
+fn wave_speed(bench: &mut Bench) -> Result<(), Fault> {
+    let (count, part, amplitude) = (40_usize, 0.2, 1e-5 * SPACING);
+    let mut scene = scene(Form::Total, JOINT, part);
+    scene.chain(count - 1);
+    let mut bonds = scene.state.bonds.clone();
+    bonds.push(Bond::new(0, count as u32 - 1, 1.0));
+    scene.plan.domain.min[0] = -0.25 * SPACING;
+    scene.plan.domain.max[0] = (count as f64 - 0.25) * SPACING;
+    scene.plan.domain.periodic[0] = true;
+    scene.state.make_bonds(bonds);
+    let wave_number = 2.0 * PI / count as f64;
+    let turn = 2.0 * libm::asin(0.5 * part * 2.0 * libm::sin(0.5 * wave_number));
+    for k in 0..count {
+        let phase = wave_number * k as f64;
+        scene.state.position[k][0] += amplitude * libm::cos(phase);
+        // The leapfrog's velocity of cos(k x - n a).
+        scene.state.velocity[k][0] = amplitude * libm::sin(phase) * libm::sin(turn) / scene.plan.dt;
+    }
+    let steps = (count as f64 / part) as u64;
+    let state = bench.after(&scene, steps)?;
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for k in 0..count {
+        let (phase, moved) = (wave_number * k as f64, state.position[k][0] - SPACING * k as f64);
+        cosine += moved * libm::cos(phase);
+        sine += moved * libm::sin(phase);
+    }
+    let size = 2.0 / count as f64 * (cosine * cosine + sine * sine).sqrt() / amplitude;
+    bench.judge("amplitude, of the start", "1", size, Kind::ClosedForm.within(1.0, 1e-6));
+    // It has run once around, short of what its dispersion holds back.
+    let way = 2.0 * PI + libm::atan2(sine, cosine);
+    let expected = steps as f64 * turn;
+    bench.judge("way in radians of the wave", "1", way, Kind::ClosedForm.relative(expected, 1e-7));
+    let speed = way / (wave_number * steps as f64 * part);
+    bench.judge("speed over that of long waves", "1", speed, Kind::ClosedForm.within(1.0, 2e-3));
     Ok(())
 }
 
