@@ -104,7 +104,7 @@ fn a_wrong_bond_is_caught() {
             bonds.local_damping = 1e-3;
         }
     };
-    let wrong: [Wrong; 50] = [
+    let wrong: [Wrong; 52] = [
         ("bond/vibration-verlet", stiffer),
         ("bond/vibration-gear", stiffer),
         ("bond/vibration-gear", damped),
@@ -113,6 +113,8 @@ fn a_wrong_bond_is_caught() {
         ("bond/modes", thicker),
         ("bond/damped-vibration", wrong_bond!(|joint| joint.cement.damping_ratio *= 1.003)),
         ("bond/damped-vibration", thicker),
+        ("bond/unequal-spheres", wrong_bond!(|joint| joint.young_modulus *= 1.003)),
+        ("bond/unequal-spheres", thicker),
         ("bond/turned-assembly", incremental),
         ("bond/turning-pair", stiffer),
         ("bond/strength", stiffer),

@@ -41,6 +41,13 @@ pub(super) const CASES: &[Case] = &[
         body: damped_vibration,
     },
     Case {
+        name: "bond/unequal-spheres",
+        tier: Tier::Quick,
+        source: "K_n = E A / L_b, K_s = kappa K_n, A = pi (lambda min(R_1, R_2))^2; arms L R_i / (R_1 + R_2)",
+        about: "Two unequal spheres with a gap, bonded by a material of a Young's modulus, are moved apart and across.",
+        body: unequal_spheres,
+    },
+    Case {
         name: "bond/turned-assembly",
         tier: Tier::Quick,
         source: "objectivity: a rigid motion leaves no force, and forces turn with what is loaded",
@@ -190,6 +197,36 @@ fn damped_vibration(bench: &mut Bench) -> Result<(), Fault> {
             let expected = 2.0 * PI * ratio / root;
             let what = format!("{name}: logarithmic decrement of the {mode}");
             bench.judge(what, "1", decrement, Kind::ClosedForm.relative(expected, 1e-3));
+        }
+    }
+    Ok(())
+}
+
+fn unequal_spheres(bench: &mut Bench) -> Result<(), Fault> {
+    let (radii, length, modulus) = ([RADIUS, 1.5 * RADIUS], 2.8 * RADIUS, 6e6);
+    let joint = Joint { stiffness_per_area: 0.0, young_modulus: modulus, ..JOINT };
+    let moved = 1e-7 * length;
+    for (name, form) in FORMS {
+        let mut scene = scene(form, JOINT, 0.3);
+        scene.plan.bonds.iter_mut().flat_map(|bonds| &mut bonds.joints).for_each(|each| *each = Some(joint));
+        for (k, x) in [(0, 0.0), (1, length)] {
+            scene.sphere(radii[k], ROCK.density, [x, 0.0, 0.0]);
+        }
+        scene.state.make_bonds(vec![Bond::new(0, 1, 1.0)]);
+        scene.hold(0, Way::HELD.at_rate(0.0, 1.0));
+        let steps = 100;
+        let way = Way { shift: [Some(moved), Some(moved), Some(0.0)], turn: [Some(0.0); 3] };
+        scene.hold(1, way.at_rate(1.0 / steps as f64, scene.plan.dt));
+        let state = bench.after(&scene, steps)?;
+        let radius = CEMENT.radius_multiplier * RADIUS;
+        let normal = modulus * PI * radius * radius / length * moved;
+        let shear = CEMENT.stiffness_ratio * normal;
+        let exactly = |value: f64| Kind::ClosedForm.relative(value, 1e-6);
+        bench.judge(format!("{name}: normal force"), "N", state.force[0][0], exactly(normal));
+        bench.judge(format!("{name}: shear force"), "N", state.force[0][1], exactly(shear));
+        for k in 0..2 {
+            let arm = length * radii[k] / (radii[0] + radii[1]);
+            bench.judge(format!("{name}: moment on sphere {k}"), "N m", state.moment[k][2], exactly(shear * arm));
         }
     }
     Ok(())
