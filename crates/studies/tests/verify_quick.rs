@@ -104,7 +104,7 @@ fn a_wrong_bond_is_caught() {
             bonds.local_damping = 1e-3;
         }
     };
-    let wrong: [Wrong; 52] = [
+    let wrong: [Wrong; 54] = [
         ("bond/vibration-verlet", stiffer),
         ("bond/vibration-gear", stiffer),
         ("bond/vibration-gear", damped),
@@ -160,6 +160,8 @@ fn a_wrong_bond_is_caught() {
         ("block/tension-3", wrong_bond!(|joint| joint.cement.stiffness_ratio *= 1.01)),
         ("block/plane-wave", stiffer),
         ("block/plane-wave", sheared),
+        ("block/critical-step", |plan| plan.dt *= 1.01),
+        ("block/critical-step", |plan| plan.dt *= 0.99),
         ("block/spinning-and-breaking", damped),
         ("block/spinning-gear", |plan| plan.integrator = Integrator::VelocityVerlet),
     ];

@@ -2,7 +2,7 @@
 
 use super::bonded::{CEMENT, FORMS, JOINT, LATTICE_CONSTANT, RADIUS, ROCK, SPACING, numbers, scene};
 use super::conservation::{angular_momenta, momenta, size};
-use super::scene::{Bench, With, crossing};
+use super::scene::{Bench, Scene, With, crossing, random_vector};
 use super::{Case, Kind, Tier};
 use std::f64::consts::PI;
 use tdem_engine::physics::Vec3;
@@ -38,6 +38,13 @@ pub(super) const CASES: &[Case] = &[
         source: "w = 4 c/a sin(k a/4), c = sqrt(C11/rho), leapfrog sin(a/2) = w dt / 2",
         about: "A standing wave along [100] in a box that repeats, 6 cells long.",
         body: plane_wave,
+    },
+    Case {
+        name: "block/critical-step",
+        tier: Tier::Quick,
+        source: "scan of all waves of the lattice with six unknowns a sphere (numpy, lattice_checks): 2/w_max = 0.5026 sqrt(m/K_n) at kappa = 1/3",
+        about: "A lattice in a box that repeats is disturbed at random, just below and just above the critical step.",
+        body: critical_step,
     },
     Case {
         name: "block/spinning-and-breaking",
@@ -87,6 +94,9 @@ pub(super) const CASES: &[Case] = &[
 const LATTICE: Joint<f64> =
     Joint { cement: Cement { stiffness_ratio: 1.0 / 3.0, radius_multiplier: 1.0, ..CEMENT }, ..JOINT };
 
+/// Volume of a cell, which holds four spheres, m³.
+const CELL: f64 = LATTICE_CONSTANT * LATTICE_CONSTANT * LATTICE_CONSTANT;
+
 fn lattice() -> CubicElasticity {
     let stiffness = numbers(&LATTICE).stiffness;
     CubicElasticity::of_bonds(stiffness.normal, stiffness.shear, LATTICE_CONSTANT)
@@ -129,7 +139,7 @@ fn elastic_constants(bench: &mut Bench) -> Result<(), Fault> {
     // Twelve halves of a bond to the volume of a sphere, a quarter of a cell.
     let stress = |forces: &[[f64; 3]], i: usize, j: usize| {
         let virial: f64 = forces.iter().zip(neighbours()).map(|(force, offset)| force[i] * offset[j]).sum();
-        2.0 * virial / LATTICE_CONSTANT.powi(3)
+        2.0 * virial / CELL
     };
     // Differences: what is of second order in the strain falls out.
     let mut modulus = |deformation: fn(f64) -> [[f64; 3]; 3], entries: &[(usize, usize)]| {
@@ -233,14 +243,19 @@ fn tension(bench: &mut Bench, cells: [usize; 3], steps: u64, expected: [f64; 3])
     Ok(())
 }
 
-fn plane_wave(bench: &mut Bench) -> Result<(), Fault> {
-    let (cells, steps, amplitude) = ([6, 3, 3], 199, 1e-8 * SPACING);
-    let mut scene = scene(Form::Total, LATTICE, 0.3);
+/// A box of so many cells that repeats.
+fn repeat(scene: &mut Scene, cells: [usize; 3]) {
     scene.plan.domain = Domain {
         min: [-0.25 * LATTICE_CONSTANT; 3],
         max: cells.map(|n| (n as f64 - 0.25) * LATTICE_CONSTANT),
         periodic: [true; 3],
     };
+}
+
+fn plane_wave(bench: &mut Bench) -> Result<(), Fault> {
+    let (cells, steps, amplitude) = ([6, 3, 3], 199, 1e-8 * SPACING);
+    let mut scene = scene(Form::Total, LATTICE, 0.3);
+    repeat(&mut scene, cells);
     let sites = scene.block(cells);
     let bonds = (scene.state.bonds.len() as f64) / sites.len() as f64;
     bench.judge("bonds per sphere", "1", bonds, Kind::ClosedForm.within(6.0, 0.0));
@@ -254,7 +269,7 @@ fn plane_wave(bench: &mut Bench) -> Result<(), Fault> {
     let state = bench.after(&scene, steps)?;
     let moved: f64 = (0..sites.len()).map(|k| (state.position[k][0] - before[k][0]) * shape[k]).sum();
     let of_start = moved / amplitude / shape.iter().map(|s| s * s).sum::<f64>();
-    let density = 4.0 * state.mass[0] / LATTICE_CONSTANT.powi(3);
+    let density = 4.0 * state.mass[0] / CELL;
     let speed = (lattice().c11 / density).sqrt();
     let frequency = 4.0 * speed / LATTICE_CONSTANT * libm::sin(0.5 * phase);
     let turn = 2.0 * libm::asin(0.5 * frequency * scene.plan.dt);
@@ -264,8 +279,30 @@ fn plane_wave(bench: &mut Bench) -> Result<(), Fault> {
     Ok(())
 }
 
+fn critical_step(bench: &mut Bench) -> Result<(), Fault> {
+    // The stiffest wave is two cells long.
+    let (cells, bound, start) = ([2; 3], 0.5026, 1e-12 * SPACING);
+    let mut growth = |part: f64| {
+        let mut scene = scene(Form::Total, LATTICE, part * bound);
+        repeat(&mut scene, cells);
+        scene.block(cells);
+        let rate = start / scene.plan.dt;
+        for k in 0..scene.state.len() {
+            scene.state.velocity[k] = random_vector(61, k).map(|v| rate * v);
+            scene.state.angular_velocity[k] = random_vector(62, k).map(|w| rate / RADIUS * w);
+        }
+        let state = bench.after(&scene, 200)?;
+        let turning = state.angular_velocity.iter().map(|&turn| RADIUS * size(turn));
+        Ok::<f64, Fault>(turning.fold(0.0, f64::max) / rate)
+    };
+    let (below, above) = (growth(0.997)?, growth(1.003)?);
+    bench.judge("greatest spin at 0.997 of the bound, of the start", "1", below, Kind::Reference.at_most(100.0));
+    bench.judge("greatest spin at 1.003 of the bound, of the start", "1", above, Kind::Reference.at_least(1e6));
+    Ok(())
+}
+
 /// A free block that spins about its middle and moves on, with bonds of the given strengths.
-fn spinning_block(cement: Cement<f64>, part: f64, spin: [f64; 3]) -> super::scene::Scene {
+fn spinning_block(cement: Cement<f64>, part: f64, spin: [f64; 3]) -> Scene {
     let mut scene = scene(Form::Total, Joint { cement, ..LATTICE }, part);
     scene.plan.interactions.iter_mut().for_each(|i| *i = ROCK.with_itself().friction(0.4));
     let cells = [3, 2, 2];
@@ -356,7 +393,7 @@ fn bar_vibration(bench: &mut Bench) -> Result<(), Fault> {
         bench.seal(&simulation.state()?);
         let span = crossings.last().unwrap_or(&f64::NAN) - crossings.first().unwrap_or(&f64::NAN);
         let frequency = PI * (crossings.len() as f64 - 1.0) / span;
-        let density = 4.0 * scene.state.mass[0] / LATTICE_CONSTANT.powi(3);
+        let density = 4.0 * scene.state.mass[0] / CELL;
         let speed = (0.8293 * lattice().young_modulus() / density).sqrt();
         let of_bar = frequency * length / (PI * speed);
         bench.judge(format!("{name}: frequency over that of a bar"), "1", of_bar, Kind::ClosedForm.within(1.0, 0.02));
