@@ -341,10 +341,24 @@ fn turning_pair(bench: &mut Bench) -> Result<(), Fault> {
 /// Steps in which a load is made to reach a strength: it is exceeded in the next whole one.
 const TO_STRENGTH: f64 = 400.5;
 
-/// Moves the second of two bonded particles until their bond breaks, by a part of its way in each step.
-fn loaded_until_it_breaks(bench: &mut Bench, form: Form, joint: Joint<f64>, way: Way) -> Result<State, Fault> {
-    let mut scene = scene(form, joint, 0.3);
+/// Way to failure along a bond that is stretched alone, m: a ten-thousandth of its length.
+const TO_FAILURE: f64 = 1e-4 * SPACING;
+/// Strengths that a bond reaches when it is stretched or sheared by [`TO_FAILURE`], Pa.
+const TENSILE_STRENGTH: f64 = TO_FAILURE * JOINT.stiffness_per_area;
+const SHEAR_STRENGTH: f64 = CEMENT.stiffness_ratio * TENSILE_STRENGTH;
+
+/// Moves the second of two bonded particles until their bond breaks, by a part of its way in each step; `strength` is
+/// the factor of this bond.
+fn loaded_until_it_breaks(
+    bench: &mut Bench,
+    form: Form,
+    cement: Cement<f64>,
+    way: Way,
+    strength: f64,
+) -> Result<State, Fault> {
+    let mut scene = scene(form, Joint { cement, ..JOINT }, 0.3);
     scene.chain(1);
+    scene.state.bonds[0].strength = strength;
     scene.hold(0, Way::HELD.at_rate(0.0, 1.0));
     scene.hold(1, way.at_rate(1.0 / TO_STRENGTH, scene.plan.dt));
     bench.after(&scene, 3 * TO_STRENGTH as u64)
@@ -357,72 +371,75 @@ fn judge_breakage(bench: &mut Bench, what: &str, state: &State, step: f64, failu
     let code = breakage.map_or(f64::NAN, |breakage| breakage.failure.code());
     let expected = Kind::ClosedForm.within(failure.code(), 0.0);
     bench.judge(format!("{what}: kind, 1 for tension, 2 for shear"), "1", code, expected);
-    let force = state.force[0].iter().fold(0.0_f64, |most, f| most.max(f.abs()));
-    bench.judge(format!("{what}: largest force afterwards"), "N", force, Kind::ClosedForm.within(0.0, 1e-9));
+}
+
+/// A way to load a bond to failure.
+struct Loading {
+    what: &'static str,
+    /// Stretch, shear, torsion and bending, each in units of what alone makes a bond of strength 1 fail.
+    parts: [f64; 4],
+    failure: Failure,
+    moment_contribution: f64,
+    /// Factor on both strengths.
+    strength: f64,
+}
+
+const LOADINGS: [Loading; 7] = [
+    Loading::new("tension", [1.0, 0.0, 0.0, 0.0], Failure::Tension),
+    Loading::new("shear", [0.0, 1.0, 0.0, 0.0], Failure::Shear),
+    Loading::new("torsion", [0.0, 0.0, 1.0, 0.0], Failure::Shear),
+    Loading::new("bending", [0.0, 0.0, 0.0, 1.0], Failure::Tension),
+    Loading::new("half tension, half bending", [0.5, 0.0, 0.0, 0.5], Failure::Tension),
+    Loading {
+        moment_contribution: 0.0,
+        ..Loading::new("tension, half bending that counts for nothing", [1.0, 0.0, 0.0, 0.5], Failure::Tension)
+    },
+    Loading {
+        strength: 1.5,
+        ..Loading::new("shear and torsion, strength times 1.5", [0.0, 0.75, 0.75, 0.0], Failure::Shear)
+    },
+];
+
+impl Loading {
+    const fn new(what: &'static str, parts: [f64; 4], failure: Failure) -> Self {
+        Loading { what, parts, failure, moment_contribution: 1.0, strength: 1.0 }
+    }
+    /// Ways (m) and angles (rad) to failure.
+    fn deformations(&self) -> [f64; 4] {
+        let angle = TO_FAILURE / (CEMENT.radius_multiplier * RADIUS);
+        let [stretch, shear, torsion, bending] = self.parts;
+        [stretch * TO_FAILURE, shear * TO_FAILURE, torsion * angle, bending * angle]
+    }
+    fn way(&self) -> Way {
+        let [stretch, shear, torsion, bending] = self.deformations();
+        // What bends swings about the middle of the bond: bending without shear.
+        let across = shear + RADIUS * bending;
+        Way { shift: [Some(stretch), Some(across), Some(0.0)], turn: [Some(torsion), Some(0.0), Some(bending)] }
+    }
+    /// Energy in the springs at failure, J.
+    fn energy(&self) -> f64 {
+        let stiffness = numbers(&JOINT).stiffness;
+        let springs = [stiffness.normal, stiffness.shear, stiffness.torsion, stiffness.bending];
+        springs.iter().zip(self.deformations()).map(|(spring, way)| 0.5 * spring * way * way).sum()
+    }
 }
 
 fn strength(bench: &mut Bench) -> Result<(), Fault> {
-    // A ten-thousandth of a spacing to failure.
-    let bond = numbers(&JOINT);
-    let way = 1e-4 * SPACING;
-    let (tensile, shear) = (way * 7.5e8, 0.4 * way * 7.5e8);
-    let radius = CEMENT.radius_multiplier * RADIUS;
-    let angle = way / radius;
-    let still = [Some(0.0); 3];
-    let along = |axis: usize, value: f64| std::array::from_fn(|k| Some(if k == axis { value } else { 0.0 }));
-    let (tension, shearing) = (Failure::Tension, Failure::Shear);
-    let stiffness = bond.stiffness;
-    let ways = [
-        ("tension", Way { shift: along(0, way), turn: still }, tension, 1.0, 1.0, stiffness.normal * way * way),
-        ("shear", Way { shift: along(1, way), turn: still }, shearing, 1.0, 1.0, stiffness.shear * way * way),
-        ("torsion", Way { shift: still, turn: along(0, angle) }, shearing, 1.0, 1.0, stiffness.torsion * angle * angle),
-        // The end swings about the middle of the bond: bending without shear.
-        (
-            "bending",
-            Way { shift: along(1, RADIUS * angle), turn: along(2, angle) },
-            tension,
-            1.0,
-            1.0,
-            stiffness.bending * angle * angle,
-        ),
-        (
-            "half tension, half bending",
-            Way { shift: [Some(0.5 * way), Some(0.5 * RADIUS * angle), Some(0.0)], turn: along(2, 0.5 * angle) },
-            tension,
-            1.0,
-            1.0,
-            0.25 * (stiffness.normal * way * way + stiffness.bending * angle * angle),
-        ),
-        (
-            "tension and half of bending that counts for nothing",
-            Way { shift: [Some(way), Some(0.5 * RADIUS * angle), Some(0.0)], turn: along(2, 0.5 * angle) },
-            tension,
-            0.0,
-            1.0,
-            stiffness.normal * way * way + 0.25 * stiffness.bending * angle * angle,
-        ),
-        (
-            "half shear, half torsion, strength times 1.5",
-            Way { shift: along(1, 0.75 * way), turn: along(0, 0.75 * angle) },
-            shearing,
-            1.0,
-            1.5,
-            0.5625 * (stiffness.shear * way * way + stiffness.torsion * angle * angle),
-        ),
-    ];
     for (name, form) in FORMS {
-        for (what, way, failure, moment_contribution, factor, twice_energy) in ways {
+        for loading in &LOADINGS {
             let cement = Cement {
-                tensile_strength: factor * tensile,
-                shear_strength: factor * shear,
-                moment_contribution,
+                tensile_strength: TENSILE_STRENGTH,
+                shear_strength: SHEAR_STRENGTH,
+                moment_contribution: loading.moment_contribution,
                 ..CEMENT
             };
-            let state = loaded_until_it_breaks(bench, form, Joint { cement, ..JOINT }, way)?;
-            let what = format!("{name}, {what}");
-            judge_breakage(bench, &what, &state, 401.0, failure);
+            let state = loaded_until_it_breaks(bench, form, cement, loading.way(), loading.strength)?;
+            let what = format!("{name}, {}", loading.what);
+            judge_breakage(bench, &what, &state, 401.0, loading.failure);
+            let force = state.force[0].iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+            bench.judge(format!("{what}: force afterwards"), "N", force, Kind::ClosedForm.within(0.0, 1e-9));
             // What the springs hold in step 401, less their work in its second half.
-            let expected = 0.5 * twice_energy * 401.0 * 400.0 / (TO_STRENGTH * TO_STRENGTH);
+            let expected = loading.energy() * 401.0 * 400.0 / (TO_STRENGTH * TO_STRENGTH);
             let energy = state.bonds[0].breakage.map_or(f64::NAN, |breakage| breakage.energy);
             let released = Kind::ClosedForm.relative(expected, 1e-3);
             bench.judge(format!("{what}: energy that leaves"), "J", energy, released);
@@ -432,33 +449,25 @@ fn strength(bench: &mut Bench) -> Result<(), Fault> {
 }
 
 fn mohr_coulomb(bench: &mut Bench) -> Result<(), Fault> {
-    let way = 1e-4 * SPACING;
-    let (cohesion, friction) = (0.4 * 7.5e8 * way, 0.5);
-    let cement = Cement { shear_strength: cohesion, internal_friction: friction, ..CEMENT };
-    let joint = Joint { cement, ..JOINT };
-    // Ways along the bond as parts of that across it.
-    for (what, along) in [("pressed", -0.4), ("neither", 0.0), ("pulled", 0.4)] {
-        let shift = [Some(along * way), Some(way), Some(0.0)];
-        let mut scene = scene(Form::Total, joint, 0.3);
-        scene.chain(1);
-        scene.hold(0, Way::HELD.at_rate(0.0, 1.0));
-        scene.hold(1, Way { shift, turn: [Some(0.0); 3] }.at_rate(1.0 / TO_STRENGTH, scene.plan.dt));
-        let state = bench.after(&scene, 3 * TO_STRENGTH as u64)?;
-        // kappa k s = c - k along s tan(phi), in units of c.
-        let steps = TO_STRENGTH / (1.0 + along * friction / CEMENT.stiffness_ratio);
-        let found = state.bonds[0].breakage.map_or(f64::NAN, |breakage| breakage.step as f64);
-        let what = format!("{what}: step of failure");
-        bench.judge(what, "1", found, Kind::ClosedForm.within(steps.ceil(), 0.0));
-        let mode = state.bonds[0].breakage.map_or(f64::NAN, |breakage| breakage.failure.code());
-        bench.judge("kind, 2 for shear", "1", mode, Kind::ClosedForm.within(2.0, 0.0));
+    let friction = 0.5;
+    let cement = Cement { shear_strength: SHEAR_STRENGTH, internal_friction: friction, ..CEMENT };
+    for (name, form) in FORMS {
+        // Ways along the bond as parts of that across it.
+        for (what, along) in [("pressed", -0.4), ("neither", 0.0), ("pulled", 0.4)] {
+            let shift = [Some(along * TO_FAILURE), Some(TO_FAILURE), Some(0.0)];
+            let way = Way { shift, turn: [Some(0.0); 3] };
+            let state = loaded_until_it_breaks(bench, form, cement, way, 1.0)?;
+            // kappa k s = c - k along s tan(phi), in units of c.
+            let steps = TO_STRENGTH / (1.0 + along * friction / CEMENT.stiffness_ratio);
+            judge_breakage(bench, &format!("{name}, {what}"), &state, steps.ceil(), Failure::Shear);
+        }
     }
     Ok(())
 }
 
 fn weibull_strengths(bench: &mut Bench) -> Result<(), Fault> {
     let (count, shape, steps_to_mean) = (400_usize, 4.0, 300.0);
-    let way = 1e-4 * SPACING;
-    let cement = Cement { tensile_strength: 7.5e8 * way, ..CEMENT };
+    let cement = Cement { tensile_strength: TENSILE_STRENGTH, ..CEMENT };
     let mut scene = scene(Form::Total, Joint { cement, ..JOINT }, 0.3);
     let scale = weibull_scale(1.0, shape);
     let mut bonds = Vec::new();
@@ -470,7 +479,7 @@ fn weibull_strengths(bench: &mut Bench) -> Result<(), Fault> {
         bonds.push(Bond::new(first as u32, second as u32, weibull(random(51, k), shape, scale)));
     }
     scene.state.make_bonds(bonds);
-    let pull = Way { shift: [Some(way), Some(0.0), Some(0.0)], turn: [Some(0.0); 3] };
+    let pull = Way { shift: [Some(TO_FAILURE), Some(0.0), Some(0.0)], turn: [Some(0.0); 3] };
     let dt = scene.plan.dt;
     scene.plan.constraints.extend([Way::HELD.at_rate(0.0, dt), pull.at_rate(1.0 / steps_to_mean, dt)]);
     let state = bench.after(&scene, (2.5 * steps_to_mean) as u64)?;
@@ -494,8 +503,7 @@ fn weibull_strengths(bench: &mut Bench) -> Result<(), Fault> {
 }
 
 fn contact_takes_over(bench: &mut Bench) -> Result<(), Fault> {
-    let way = 1e-4 * SPACING;
-    let cement = Cement { tensile_strength: 7.5e8 * way, ..CEMENT };
+    let cement = Cement { tensile_strength: TENSILE_STRENGTH, ..CEMENT };
     let mut scene: Scene = scene(Form::Total, Joint { cement, ..JOINT }, 0.3);
     let dt = scene.plan.dt;
     scene.chain(1);
@@ -505,10 +513,10 @@ fn contact_takes_over(bench: &mut Bench) -> Result<(), Fault> {
     for (what, direction, steps, overlap) in
         [("torn", 1.0, 500, 0.0), ("pressed", -1.0, 700, 200.0), ("drawn apart", 1.0, 300, 0.0)]
     {
-        let pull = Way { shift: [Some(direction * way), Some(0.0), Some(0.0)], turn: [Some(0.0); 3] };
+        let pull = Way { shift: [Some(direction * TO_FAILURE), Some(0.0), Some(0.0)], turn: [Some(0.0); 3] };
         scene.plan.constraints[2] = pull.at_rate(1.0 / TO_STRENGTH, dt);
         scene.state = bench.after(&scene, steps)?;
-        let overlap = overlap * way / TO_STRENGTH;
+        let overlap = overlap * TO_FAILURE / TO_STRENGTH;
         let expected = -hertz.stiffness * overlap * overlap.sqrt();
         let force = Kind::ClosedForm.within(expected, 1e-9 * expected.abs());
         bench.judge(format!("{what}: force"), "N", scene.state.force[0][0], force);
