@@ -74,7 +74,7 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "chain/bending-vibration",
         tier: Tier::Quick,
-        source: "lowest eigenvalue of the assembled chain (a program of its own), and Euler's beam of length (n + 1/2) l: 3.516 sqrt(E I / (rho A L^4))",
+        source: "lowest eigenvalue of the assembled chain (crates/studies/reference/bonded.py), and Euler's beam of length (n + 1/2) l: 3.516 sqrt(E I / (rho A L^4))",
         about: "A clamped chain of 10 bonds swings across itself: frequency of the first mode.",
         body: bending_vibration,
     },
