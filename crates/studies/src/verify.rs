@@ -12,7 +12,11 @@
 //! assert!(outcome.passed());
 //! ```
 
+mod block;
+mod bond;
+mod bonded;
 mod bulk;
+mod chain;
 mod conservation;
 mod format;
 mod impact;
@@ -216,6 +220,9 @@ pub fn catalogue() -> Vec<Case> {
         stability::CASES,
         search::CASES,
         bulk::CASES,
+        bond::CASES,
+        chain::CASES,
+        block::CASES,
     ]
     .concat()
 }

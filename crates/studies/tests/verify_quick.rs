@@ -1,16 +1,25 @@
 //! The quick tier of the verification catalogue on every back end, and proof that it can fail.
 
 use std::collections::BTreeSet;
-use tdem_engine::Plan;
 use tdem_engine::gpu::Api;
+use tdem_engine::physics::bond::{Form, Tension};
+use tdem_engine::{BondPlan, Fault, Integrator, Plan};
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
 fn spec(backend: Backend) -> Vec<Outcome> {
     let outcomes: Vec<Outcome> =
         catalogue().iter().filter(|case| case.tier == Tier::Quick).map(|case| run(case, backend)).collect();
-    let failed: Vec<Outcome> = outcomes.iter().filter(|outcome| !outcome.passed()).cloned().collect();
+    let failed: Vec<Outcome> =
+        outcomes.iter().filter(|outcome| !outcome.passed() && !refuses_bonds(outcome)).cloned().collect();
     assert!(failed.is_empty(), "\n{}", table(&failed));
     outcomes
+}
+
+/// Whether a GPU refused a case because it has bonds: not passed, but skipped until GPUs take bonds; then no case is, and
+/// this goes.
+fn refuses_bonds(outcome: &Outcome) -> bool {
+    let refused = Some(Fault::Inconsistent { what: "bonds are computed on the CPU" });
+    matches!(outcome.backend, Backend::Gpu { .. }) && outcome.fault == refused
 }
 
 #[test]
@@ -20,6 +29,10 @@ fn quick_tier_passes_with_equal_bits_on_every_back_end() {
     // A machine without OpenCL fails here.
     for backend in [Backend::CpuPortable, Backend::CpuLanes, Backend::Gpu { api: Api::OpenCl, index: 0 }] {
         for (outcome, expected) in spec(backend).iter().zip(&reference) {
+            if refuses_bonds(outcome) {
+                println!("SKIPPED {} on {}: it refuses bonds", outcome.case.name, backend.name());
+                continue;
+            }
             assert!(outcome.hash.is_some(), "{} keeps no state", outcome.case.name);
             assert_eq!(outcome.hash, expected.hash, "{} has other bits on {}", outcome.case.name, backend.name());
         }
@@ -62,6 +75,105 @@ fn a_wrong_law_is_caught() {
         let outcome = run_altered(case, Backend::CpuLanes, alter);
         assert!(!outcome.passed(), "{name} passes with a wrong law:\n{}", table(&[outcome]));
         assert!(table(std::slice::from_ref(&outcome)).contains("FAILED"));
+    }
+}
+
+/// Every bond's joint changed by a function.
+macro_rules! wrong_bond {
+    (|$joint:ident| $change:expr) => {
+        |plan: &mut Plan| {
+            let joints = plan.bonds.iter_mut().flat_map(|bonds| bonds.joints.iter_mut().flatten());
+            joints.for_each(|$joint| $change);
+        }
+    };
+}
+
+#[test]
+fn a_wrong_bond_is_caught() {
+    type Wrong = (&'static str, fn(&mut Plan));
+    let stiffer: fn(&mut Plan) = wrong_bond!(|joint| joint.stiffness_per_area *= 1.003);
+    let thicker: fn(&mut Plan) = wrong_bond!(|joint| joint.cement.radius_multiplier *= 1.003);
+    let sheared: fn(&mut Plan) = wrong_bond!(|joint| joint.cement.stiffness_ratio *= 1.003);
+    let incremental: fn(&mut Plan) = |plan| {
+        if let Some(bonds) = &mut plan.bonds {
+            bonds.law.form = Form::Incremental(Tension::FromLength);
+        }
+    };
+    let damped: fn(&mut Plan) = |plan| {
+        if let Some(bonds) = &mut plan.bonds {
+            bonds.local_damping = 1e-3;
+        }
+    };
+    let wrong: [Wrong; 54] = [
+        ("bond/vibration-verlet", stiffer),
+        ("bond/vibration-gear", stiffer),
+        ("bond/vibration-gear", damped),
+        ("bond/modes", stiffer),
+        ("bond/modes", sheared),
+        ("bond/modes", thicker),
+        ("bond/damped-vibration", wrong_bond!(|joint| joint.cement.damping_ratio *= 1.003)),
+        ("bond/damped-vibration", thicker),
+        ("bond/unequal-spheres", wrong_bond!(|joint| joint.young_modulus *= 1.003)),
+        ("bond/unequal-spheres", thicker),
+        ("bond/turned-assembly", incremental),
+        ("bond/turning-pair", stiffer),
+        ("bond/strength", stiffer),
+        ("bond/strength", thicker),
+        ("bond/strength", sheared),
+        ("bond/strength", wrong_bond!(|joint| joint.cement.tensile_strength *= 1.003)),
+        ("bond/strength", wrong_bond!(|joint| joint.cement.shear_strength *= 1.003)),
+        ("bond/strength", wrong_bond!(|joint| joint.cement.moment_contribution = 1.0)),
+        ("bond/mohr-coulomb", wrong_bond!(|joint| joint.cement.internal_friction *= 1.03)),
+        ("bond/mohr-coulomb", wrong_bond!(|joint| joint.cement.shear_strength *= 1.003)),
+        ("bond/weibull", wrong_bond!(|joint| joint.cement.tensile_strength *= 1.1)),
+        ("bond/contact-takes-over", wrong!(normal_stiffness *= 1.001)),
+        ("bond/contact-takes-over", wrong_bond!(|joint| joint.cement.tensile_strength *= 1.003)),
+        ("chain/tension", stiffer),
+        ("chain/shear", sheared),
+        ("chain/torsion", sheared),
+        ("chain/torsion", thicker),
+        ("chain/pure-bending", thicker),
+        ("chain/pure-bending", stiffer),
+        ("chain/cantilever", sheared),
+        ("chain/cantilever", thicker),
+        ("chain/cantilever-under-its-weight", sheared),
+        ("chain/cantilever-under-its-weight", |plan| plan.gravity[1] *= 1.003),
+        ("chain/step-load", stiffer),
+        ("chain/step-load", damped),
+        ("chain/axial-vibration", stiffer),
+        ("chain/wave-speed", stiffer),
+        ("chain/bending-vibration", wrong_bond!(|joint| joint.cement.radius_multiplier *= 1.01)),
+        ("chain/bending-vibration", wrong_bond!(|joint| joint.stiffness_per_area *= 1.01)),
+        ("chain/energy", damped),
+        ("chain/energy", incremental),
+        ("chain/forms-agree", |plan| {
+            // One of the two only.
+            if plan.bonds.as_ref().is_some_and(BondPlan::remembers) {
+                plan.dt *= 1.003;
+            }
+        }),
+        ("chain/ledger-closes-when-it-breaks", wrong_bond!(|joint| joint.cement.tensile_strength *= 100.0)),
+        ("block/elastic-constants", stiffer),
+        ("block/elastic-constants", sheared),
+        ("block/bond-forces", sheared),
+        ("block/tension-3", stiffer),
+        ("block/tension-3", wrong_bond!(|joint| joint.cement.stiffness_ratio *= 1.01)),
+        ("block/plane-wave", stiffer),
+        ("block/plane-wave", sheared),
+        ("block/critical-step", |plan| plan.dt *= 1.01),
+        ("block/critical-step", |plan| plan.dt *= 0.99),
+        ("block/spinning-and-breaking", damped),
+        ("block/spinning-gear", |plan| plan.integrator = Integrator::VelocityVerlet),
+    ];
+    let cases = catalogue();
+    for (name, alter) in wrong {
+        let case = cases.iter().find(|case| case.name == name).unwrap();
+        let outcome = run_altered(case, Backend::CpuLanes, alter);
+        assert!(!outcome.passed(), "{name} passes with a wrong bond:\n{}", table(&[outcome]));
+    }
+    let bonded = cases.iter().filter(|case| ["bond", "chain", "block"].contains(&case.group()));
+    for case in bonded.filter(|case| case.tier == Tier::Quick) {
+        assert!(wrong.iter().any(|(name, _)| *name == case.name), "{} is not shown to fail", case.name);
     }
 }
 

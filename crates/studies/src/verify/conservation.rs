@@ -93,12 +93,12 @@ fn repeating(scene: &mut Scene, spacing: f64) {
     scene.plan.search.skin = 0.05 * spacing;
 }
 
-fn size(v: [f64; 3]) -> f64 {
+pub(super) fn size(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
 /// Sum of m v, and of m |v|.
-fn momenta(state: &State) -> ([f64; 3], f64) {
+pub(super) fn momenta(state: &State) -> ([f64; 3], f64) {
     let mut total = [0.0; 3];
     let mut scale = 0.0;
     for (velocity, mass) in state.velocity.iter().zip(&state.mass) {
@@ -134,7 +134,7 @@ fn momentum(bench: &mut Bench, law: Law, steps: u64) -> Result<(), Fault> {
 }
 
 /// Sum of x × m v + I w about the origin, and of the sizes of its terms.
-fn angular_momenta(state: &State) -> ([f64; 3], f64) {
+pub(super) fn angular_momenta(state: &State) -> ([f64; 3], f64) {
     let mut total = [0.0; 3];
     let mut scale = 0.0;
     for i in 0..state.len() {
