@@ -150,12 +150,17 @@ pub struct Lattice {
     #[schemars(extend("x-unit" = "m"))]
     pub max: Option<[f64; 3]>,
     /// Where in the region the lattice stands, for each direction.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_centered")]
     pub align: [Align; 3],
     /// Centre of the first sphere, m; replaces `align`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub origin: Option<[f64; 3]>,
+}
+
+/// A default that would contradict `origin` if it were written out.
+fn is_centered(align: &[Align]) -> bool {
+    align.iter().all(|align| *align == Align::Center)
 }
 
 /// Kind of a lattice.
