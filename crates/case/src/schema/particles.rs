@@ -33,7 +33,7 @@ pub struct Particles {
     /// Components that move at a given rate, m/s or rad/s, such as { x = 0.1 }.
     #[serde(skip_serializing_if = "Prescribed::is_empty")]
     pub prescribed: Prescribed,
-    /// Whether particles are bonded to none, even where a [[bond]] joins their materials.
+    /// Whether particles are bonded to none, even where a `[[bond]]` joins their materials.
     pub loose: bool,
     /// Whether particles may overlap others, or walls, at the start by more than 1e-6 of a radius.
     pub allow_overlap: bool,
