@@ -15,10 +15,10 @@ fn spec(backend: Backend) -> Vec<Outcome> {
     outcomes
 }
 
-/// Whether a GPU refused a case because it has bonds: not passed, but skipped until GPUs take bonds; then no case is, and
-/// this goes.
+/// Whether a GPU refused a case because its bonds store forces: not passed, but skipped until GPUs take these; then no case
+/// is, and this goes.
 fn refuses_bonds(outcome: &Outcome) -> bool {
-    let refused = Some(Fault::Inconsistent { what: "bonds are computed on the CPU" });
+    let refused = Some(Fault::Inconsistent { what: "bonds in incremental form are computed on the CPU" });
     matches!(outcome.backend, Backend::Gpu { .. }) && outcome.fault == refused
 }
 
@@ -30,7 +30,7 @@ fn quick_tier_passes_with_equal_bits_on_every_back_end() {
     for backend in [Backend::CpuPortable, Backend::CpuLanes, Backend::Gpu { api: Api::OpenCl, index: 0 }] {
         for (outcome, expected) in spec(backend).iter().zip(&reference) {
             if refuses_bonds(outcome) {
-                println!("SKIPPED {} on {}: it refuses bonds", outcome.case.name, backend.name());
+                println!("SKIPPED {} on {}: it refuses bonds in incremental form", outcome.case.name, backend.name());
                 continue;
             }
             assert!(outcome.hash.is_some(), "{} keeps no state", outcome.case.name);
