@@ -257,7 +257,7 @@ mod tests {
         assert_eq!((plain.hash, plain.searches), (profiled.hash, profiled.searches));
         assert_eq!((&plain.profiled, plain.copy_fraction()), (&None, None));
         let found = profiled.profiled.as_ref().unwrap();
-        assert_eq!((found.profile.steps, found.profile.parts.len()), (10, 7));
+        assert_eq!((found.profile.steps, found.profile.parts.len()), (10, 6));
         assert!(found.profile.bytes_per_step > 100.0 * profiled.particles as f64);
         let fraction = profiled.copy_fraction().unwrap();
         let expected = found.profile.bytes_per_step * profiled.best_rate / profiled.particles as f64;

@@ -48,7 +48,8 @@ impl Cpu {
             let calls = if STAGES[k] == "search" { searches } else { steps };
             Part { stage: STAGES[k], name: STAGES[k], calls, seconds: times[k], bytes: calls * bytes[k] }
         };
-        let parts: Vec<Part> = (0..STAGES.len()).map(part).collect();
+        let bonded = !self.bonds.is_empty();
+        let parts: Vec<Part> = (0..STAGES.len()).map(part).filter(|part| bonded || part.stage != "bond").collect();
         let moved: u64 = parts.iter().map(|part| part.bytes).sum();
         Ok(Profile { steps, searches, seconds, parts, bytes_per_step: moved as f64 / steps.max(1) as f64 })
     }
