@@ -86,7 +86,7 @@ impl Memory {
             particles,
             state_bytes: state as u64,
             run_bytes: (arrays + COPIES * state + frame) as u64,
-            device_bytes: gpu::bytes(plan, particles, particles * NEIGHBOURS / 2, 0) as u64,
+            device_bytes: gpu::bytes(plan, particles, particles * NEIGHBOURS / 2, bonds) as u64,
         }
     }
 }
