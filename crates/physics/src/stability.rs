@@ -277,7 +277,8 @@ mod tests {
     fn the_step_of_a_damped_pair_is_the_largest_that_is_stable() {
         let (mass, stiffness, damping_ratio) = (2.0, 50.0_f64, 0.3);
         let rigid = Coefficients { normal: stiffness, shear: 0.0, torsion: 0.0, bending: 0.0 };
-        let dashpots = Coefficients { normal: 2.0 * damping_ratio * stiffness.sqrt(), ..rigid.scaled(0.0, 0.0) };
+        let coefficient = 2.0 * damping_ratio * (0.5 * mass * stiffness).sqrt();
+        let dashpots = Coefficients { normal: coefficient, ..rigid.scaled(0.0, 0.0) };
         let section = Section::between(1.0, 1.0, 1.0);
         let cement = Cement {
             stiffness_ratio: 0.0,
@@ -290,12 +291,11 @@ mod tests {
         };
         let bond = Bond { stiffness: rigid, damping: dashpots, ..Bond::new(&cement, &section, 1.0) };
         let mut particle = BondedParticle::default();
-        particle.hold(&bond, vec3(1.0, 0.0, 0.0), 1.0, [0.5 * mass, 0.2 * mass]);
+        particle.hold(&bond, vec3(1.0, 0.0, 0.0), 1.0);
         let limit = particle.verlet_step(mass, 0.4 * mass);
         let dies_away = |step: f64| {
             let (mut stretch, mut rate) = (1.0_f64, 0.0_f64);
             for _ in 0..5000 {
-                let coefficient = dashpots.normal * (0.5 * mass).sqrt();
                 rate -= step * (stiffness * stretch + coefficient * rate) / (0.5 * mass);
                 stretch += step * rate;
             }

@@ -340,7 +340,7 @@ impl Rng {
         let section = Section::between(cement.radius_multiplier, self.size(-9, -2), self.size(-9, -2));
         let bond = Bond::new(&cement, &section, self.size(30, 50));
         let (first, second) = (self.sphere(), self.sphere());
-        Bond { damping: damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
+        Bond { damping: bond::damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
     }
     fn history(&mut self) -> History<f64> {
         History {
