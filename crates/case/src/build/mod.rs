@@ -3,6 +3,7 @@
 mod bonds;
 mod csv;
 mod draft;
+mod gauges;
 mod lattice;
 mod motion;
 mod placement;
@@ -22,6 +23,7 @@ use crate::schema::{self, Particles, Precision, Region};
 use crate::walls::{Plane, planes};
 use bonds::Bonded;
 use draft::{Draft, Spheres};
+use motion::Motion;
 use tdem_engine::{Bond, BondHistory, Contact, Domain, Integrator, Plan, Schedule, Search, State, cpu, gpu};
 
 /// A case ready to run.
@@ -124,9 +126,11 @@ impl Loaded {
         problems.extend(placement::check(&context, &mut draft));
         let (zones, empty) = zones::apply(&context, &mut draft);
         problems.extend(empty);
-        let mut constraints = motion::constrain(&context, &mut draft, &zones);
-        problems.extend(motion::symmetry(&context, &mut draft, &mut constraints));
-        let found = Found::of(&context, &draft.state, &draft.group, &constraints);
+        let (mut motion, contradictions) = Motion::of(&context, &mut draft, &zones);
+        problems.extend(contradictions);
+        problems.extend(motion.symmetry(&context, &mut draft));
+        let (constraints, ramps) = motion.finish(&mut draft);
+        let found = Found::of(&context, &draft.state, &draft.group, &constraints, &ramps);
         let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
         problems.extend(context.materials.missing(case, &self.tree, &meeting));
         if problems.iter().any(|p| p.severity == crate::Severity::Error) {
@@ -147,7 +151,12 @@ impl Loaded {
         let mut plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
         let bonds = bonded.as_ref().map_or(Vec::new(), |bonded| bonded.bonds(case, &draft.state));
         plan.bonds = bonded.map(|bonded| bonded.plan(case));
+        plan.ramps = ramps;
+        let watched = gauges::members(case, &draft, &zones);
         let state = draft.finish(&context, &plan, bonds);
+        let (gauges, coincident) = gauges::gauges(&context, watched, &state, &plan);
+        plan.gauges = gauges;
+        problems.extend(coincident);
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
         let memory = Memory::of(&state, &plan, (schedule.frame_every > 0).then_some(fields));
@@ -226,6 +235,8 @@ impl<'c> Context<'c> {
             walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
             gravity: case.gravity,
             constraints,
+            ramps: Vec::new(),
+            gauges: Vec::new(),
             domain: self.domain,
             search: Search { skin: case.search.skin.get() * smallest_radius, every_step: case.search.every_step },
             overlap_limit: case.contact.overlap_limit.get(),

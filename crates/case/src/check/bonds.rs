@@ -220,11 +220,12 @@ impl Checker<'_> {
             }
             _ => {}
         }
-        if zone.material.is_none() && zone.fixed.is_empty() && zone.prescribed.is_empty() {
+        let orders = !zone.fixed.is_empty() || !zone.prescribed.is_empty() || !zone.force.is_empty();
+        if zone.material.is_none() && !orders && !self.is_watched(&zone.name) {
             self.push(
                 Problem::error("tdem::case::zone-idle", "this zone changes nothing")
-                    .at(here, "`material`, `fixed` or `prescribed` belongs here")
-                    .help("say what the particles in it are made of or how they move"),
+                    .at(here, "`material`, `fixed`, `prescribed` or `force` belongs here")
+                    .help("say what the particles in it are made of or how they move, or give it a name and watch it with a [[gauge]]"),
             );
         }
         for (k, component) in zone.fixed.iter().enumerate() {
@@ -241,6 +242,7 @@ impl Checker<'_> {
                 );
             }
         }
+        self.courses(&["zone", index], &zone.prescribed, &zone.force);
         if let Some(block) = &zone.block {
             self.corners_if_given(&["zone", index, "box"], block.min, block.max);
         }
