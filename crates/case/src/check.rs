@@ -1,6 +1,7 @@
 //! What the text alone shows to be wrong once its structure is right.
 
 mod bonds;
+mod shape;
 
 use crate::materials::RIGID;
 use crate::problem::Problem;
@@ -345,6 +346,7 @@ impl Checker<'_> {
                 );
             }
         }
+        self.cuts(group, index);
         self.lattice_and_random(group, index);
     }
 
@@ -357,6 +359,11 @@ impl Checker<'_> {
                     if self.tree.get(&["particles", index, "lattice", key]).is_some() && lattice.cells.is_some() {
                         self.exclusive(&["particles", index, "lattice"], "origin", key);
                     }
+                }
+            }
+            for key in ["cells", "align", "origin"] {
+                if lattice.site.is_some() && self.tree.get(&["particles", index, "lattice", key]).is_some() {
+                    self.exclusive(&["particles", index, "lattice"], "site", key);
                 }
             }
             if lattice.cells.is_some_and(|cells| cells.contains(&0)) {
