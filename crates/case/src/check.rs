@@ -2,6 +2,7 @@
 
 mod bonds;
 mod gauge;
+mod shape;
 
 pub use gauge::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS};
 
@@ -350,6 +351,7 @@ impl Checker<'_> {
             }
         }
         self.courses(&["particles", index], &group.prescribed, &group.force);
+        self.cuts(group, index);
         self.lattice_and_random(group, index);
     }
 
@@ -386,6 +388,11 @@ impl Checker<'_> {
                     if self.tree.get(&["particles", index, "lattice", key]).is_some() && lattice.cells.is_some() {
                         self.exclusive(&["particles", index, "lattice"], "origin", key);
                     }
+                }
+            }
+            for key in ["cells", "align", "origin"] {
+                if lattice.site.is_some() && self.tree.get(&["particles", index, "lattice", key]).is_some() {
+                    self.exclusive(&["particles", index, "lattice"], "site", key);
                 }
             }
             if lattice.cells.is_some_and(|cells| cells.contains(&0)) {

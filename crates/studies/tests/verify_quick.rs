@@ -105,7 +105,7 @@ fn a_wrong_bond_is_caught() {
             bonds.local_damping = 1e-3;
         }
     };
-    let wrong: [Wrong; 54] = [
+    let wrong: [Wrong; 66] = [
         ("bond/vibration-verlet", stiffer),
         ("bond/vibration-gear", stiffer),
         ("bond/vibration-gear", damped),
@@ -169,8 +169,14 @@ fn a_wrong_bond_is_caught() {
         ("block/plane-wave", sheared),
         ("block/critical-step", |plan| plan.dt *= 1.01),
         ("block/critical-step", |plan| plan.dt *= 0.99),
+        ("block/critical-step-gear", |plan| plan.dt *= 1.01),
         ("block/spinning-and-breaking", damped),
         ("block/spinning-gear", |plan| plan.integrator = Integrator::VelocityVerlet),
+        ("statics/stiffness", sheared),
+        ("statics/chain", thicker),
+        ("statics/block", stiffer),
+        ("prism/stiffness-by-area", stiffer),
+        ("prism/initial-stiffness-6", wrong_bond!(|joint| joint.stiffness_per_area *= 1.02)),
     ];
     let cases = catalogue();
     for (name, alter) in wrong {
@@ -178,7 +184,7 @@ fn a_wrong_bond_is_caught() {
         let outcome = run_altered(case, Backend::CpuLanes, alter);
         assert!(!outcome.passed(), "{name} passes with a wrong bond:\n{}", table(&[outcome]));
     }
-    let bonded = cases.iter().filter(|case| ["bond", "chain", "block"].contains(&case.group()));
+    let bonded = cases.iter().filter(|case| ["bond", "chain", "block", "statics", "prism"].contains(&case.group()));
     for case in bonded.filter(|case| case.tier == Tier::Quick) {
         assert!(wrong.iter().any(|(name, _)| *name == case.name), "{} is not shown to fail", case.name);
     }

@@ -9,6 +9,7 @@ mod motion;
 mod placement;
 mod random;
 mod run;
+mod shape;
 mod zones;
 
 pub(crate) use bonds::Vibration;
@@ -113,13 +114,17 @@ impl Loaded {
         let mut draft = Draft::default();
         for (k, group) in case.particles.iter().enumerate() {
             let placed = place(&context, loader, &draft, k, group)
+                .and_then(|spheres| {
+                    shape::cut(&context, k, group, spheres, &mut problems).map_err(|problem| vec![problem])
+                })
                 .and_then(|spheres| draft.add(&context, k, group, spheres).map_err(|problem| vec![problem]));
             if let Err(found) = placed {
                 problems.extend(found);
             }
         }
         let stop = |problems| Err(Problems::new(&self.source, problems));
-        if !problems.is_empty() {
+        let refused = |problems: &[Problem]| problems.iter().any(|p| p.severity == crate::Severity::Error);
+        if refused(&problems) {
             return stop(problems);
         }
         problems.extend(draft.repeated_ids(&context));
@@ -133,14 +138,14 @@ impl Loaded {
         let found = Found::of(&context, &draft.state, &draft.group, &constraints, &ramps);
         let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
         problems.extend(context.materials.missing(case, &self.tree, &meeting));
-        if problems.iter().any(|p| p.severity == crate::Severity::Error) {
+        if refused(&problems) {
             return stop(problems);
         }
         if !placement::period_is_wide_enough(&context, &found, &mut problems) {
             return stop(problems);
         }
         let bonded = Bonded::of(&context, &draft, &mut problems);
-        if problems.iter().any(|p| p.severity == crate::Severity::Error) {
+        if refused(&problems) {
             return stop(problems);
         }
         let interactions = context.materials.interactions(case);

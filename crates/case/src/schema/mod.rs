@@ -7,6 +7,7 @@ mod bonds;
 mod gauge;
 mod particles;
 mod quantity;
+mod shape;
 mod zone;
 
 pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
@@ -16,7 +17,8 @@ pub use particles::{
     SizeDistribution, SizeRange,
 };
 pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
-pub use zone::{Block, Cylinder, Revolution, RibbedBar, Zone};
+pub use shape::{Ball, Block, Cylinder, Revolution, RibbedBar, Shape};
+pub use zone::Zone;
 
 use quantity::{fraction, non_negative, positive};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

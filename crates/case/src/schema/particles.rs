@@ -1,6 +1,7 @@
 //! Groups of particles: where they come from, and how they start.
 
 use super::quantity::{NonNegative, Positive};
+use super::shape::Shape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +42,12 @@ pub struct Particles {
     pub loose: bool,
     /// Whether particles may overlap others, or walls, at the start by more than 1e-6 of a radius.
     pub allow_overlap: bool,
+    /// A part of space: of the particles below only those are kept whose centres lie in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub within: Option<Shape>,
+    /// Parts of space, such as holes: those whose centres lie in one of them are not kept.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<Shape>,
     /// On a regular lattice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lattice: Option<Lattice>,
@@ -238,6 +245,11 @@ pub struct Lattice {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub origin: Option<[f64; 3]>,
+    /// Centre of any of the spheres, m: all others follow from it that lie wholly in the region. What is cut out around
+    /// it with `within` is as symmetric as the lattice. Replaces `cells`, `align` and `origin`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub site: Option<[f64; 3]>,
 }
 
 /// A default that would contradict `origin` if it were written out.
