@@ -25,10 +25,12 @@ mod incline;
 mod integrators;
 mod oblique;
 mod plane;
+mod prism;
 mod scene;
 mod search;
 mod spring;
 mod stability;
+mod statics;
 
 pub use format::{markdown, table};
 
@@ -223,6 +225,8 @@ pub fn catalogue() -> Vec<Case> {
         bond::CASES,
         chain::CASES,
         block::CASES,
+        statics::CASES,
+        prism::CASES,
     ]
     .concat()
 }

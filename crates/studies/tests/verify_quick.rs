@@ -1,9 +1,9 @@
 //! The quick tier of the verification catalogue on every back end, and proof that it can fail.
 
 use std::collections::BTreeSet;
-use tdem_engine::gpu::{Api, Error};
+use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{Form, Tension};
-use tdem_engine::{BondPlan, Fault, Integrator, Plan};
+use tdem_engine::{BondPlan, Integrator, Plan};
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
 fn spec(backend: Backend) -> Vec<Outcome> {
@@ -92,7 +92,7 @@ fn a_wrong_bond_is_caught() {
             bonds.local_damping = 1e-3;
         }
     };
-    let wrong: [Wrong; 54] = [
+    let wrong: [Wrong; 66] = [
         ("bond/vibration-verlet", stiffer),
         ("bond/vibration-gear", stiffer),
         ("bond/vibration-gear", damped),
@@ -128,6 +128,12 @@ fn a_wrong_bond_is_caught() {
         ("chain/cantilever-under-its-weight", |plan| plan.gravity[1] *= 1.003),
         ("chain/step-load", stiffer),
         ("chain/step-load", damped),
+        ("chain/step-force", stiffer),
+        ("chain/step-force", |plan| plan.constraints[2].force[0] *= 1.003),
+        ("chain/ramped-force", stiffer),
+        ("chain/ramped-force", |plan| plan.ramps[0].points[1][0] *= 1.01),
+        ("integrators/prescribed-ramp", |plan| plan.ramps[0].points[1][1] *= 1.003),
+        ("integrators/prescribed-ramp", |plan| plan.ramps[1].points[3][0] += plan.dt),
         ("chain/axial-vibration", stiffer),
         ("chain/wave-speed", stiffer),
         ("chain/bending-vibration", wrong_bond!(|joint| joint.cement.radius_multiplier *= 1.01)),
@@ -150,8 +156,14 @@ fn a_wrong_bond_is_caught() {
         ("block/plane-wave", sheared),
         ("block/critical-step", |plan| plan.dt *= 1.01),
         ("block/critical-step", |plan| plan.dt *= 0.99),
+        ("block/critical-step-gear", |plan| plan.dt *= 1.01),
         ("block/spinning-and-breaking", damped),
         ("block/spinning-gear", |plan| plan.integrator = Integrator::VelocityVerlet),
+        ("statics/stiffness", sheared),
+        ("statics/chain", thicker),
+        ("statics/block", stiffer),
+        ("prism/stiffness-by-area", stiffer),
+        ("prism/initial-stiffness-6", wrong_bond!(|joint| joint.stiffness_per_area *= 1.02)),
     ];
     let cases = catalogue();
     for (name, alter) in wrong {
@@ -159,7 +171,7 @@ fn a_wrong_bond_is_caught() {
         let outcome = run_altered(case, Backend::CpuLanes, alter);
         assert!(!outcome.passed(), "{name} passes with a wrong bond:\n{}", table(&[outcome]));
     }
-    let bonded = cases.iter().filter(|case| ["bond", "chain", "block"].contains(&case.group()));
+    let bonded = cases.iter().filter(|case| ["bond", "chain", "block", "statics", "prism"].contains(&case.group()));
     for case in bonded.filter(|case| case.tier == Tier::Quick) {
         assert!(wrong.iter().any(|(name, _)| *name == case.name), "{} is not shown to fail", case.name);
     }

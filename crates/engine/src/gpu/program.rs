@@ -17,6 +17,10 @@ pub(crate) struct Variant {
     pub(crate) periodic: bool,
     /// Whether components of motion are prescribed for any particle.
     pub(crate) constrained: bool,
+    /// Whether anything that is prescribed or applied changes with time.
+    pub(crate) ramps: bool,
+    /// Whether forces are applied to any particle.
+    pub(crate) applied_forces: bool,
     /// Whether all contacts have the same parameters.
     pub(crate) one_pair: bool,
     /// Whether all particles have the same radius.
@@ -66,6 +70,8 @@ impl Variant {
             ledger: plan.ledger,
             periodic: plan.domain.period().any(),
             constrained: plan.constraints.len() > 1,
+            ramps: !plan.ramps.is_empty(),
+            applied_forces: plan.applies_forces(),
             one_pair: only_interaction(plan, state).is_some(),
             one_radius: alike(&state.radius),
             one_mass: alike(&state.mass),
@@ -97,6 +103,10 @@ impl Variant {
     pub(crate) fn bonds_move(&self) -> bool {
         self.bonds_remember() || self.bond_dashpots()
     }
+    /// Whether what a particle is ordered to do matters to the forces on it or to the ledger.
+    pub(crate) fn asks_constraints(&self) -> bool {
+        self.applied_forces || self.constrained && (self.ledger || self.local_damping)
+    }
     /// Whether touching pairs remember anything.
     pub(crate) fn friction(&self) -> bool {
         self.law.friction != Friction::Off
@@ -124,6 +134,8 @@ impl Variant {
             ("LEDGER", self.ledger),
             ("PERIODIC", self.periodic),
             ("CONSTRAINED", self.constrained),
+            ("RAMPS", self.ramps),
+            ("APPLIED_FORCES", self.applied_forces),
             ("ONE_PAIR", self.one_pair),
             ("ONE_RADIUS", self.one_radius),
             ("ONE_MASS", self.one_mass),

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::face_centred::{CubicElasticity, tensile_stress};
 use tdem_engine::physics::bond::{Cement, Form, Joint};
+use tdem_engine::physics::stability::GEAR_OSCILLATOR_LIMIT;
 use tdem_engine::{Bond, Constraint, Domain, Fault, Integrator, Ledger, State};
 
 pub(super) const CASES: &[Case] = &[
@@ -45,6 +46,13 @@ pub(super) const CASES: &[Case] = &[
         source: "scan of all waves of the lattice with six unknowns a sphere (numpy): 2/w_max = 0.5026 sqrt(m/K_n) at kappa = 1/3",
         about: "A lattice in a box that repeats is disturbed at random, just below and just above the critical step.",
         body: critical_step,
+    },
+    Case {
+        name: "block/critical-step-gear",
+        tier: Tier::Quick,
+        source: "w_max = sqrt(8 K_n/m) at kappa = 0; Gear's method with 3/16 for one oscillator: bound w dt = 0.312, growth by 8.713e-4 a step at 0.6",
+        about: "The same lattice without shear stiffness under Gear's method, at the bound and beyond it.",
+        body: critical_step_gear,
     },
     Case {
         name: "block/spinning-and-breaking",
@@ -91,13 +99,13 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 /// Bonds that give the lattice a Poisson's ratio of 0.2, as thick as the spheres: those of the reference.
-const LATTICE: Joint<f64> =
+pub(super) const LATTICE: Joint<f64> =
     Joint { cement: Cement { stiffness_ratio: 1.0 / 3.0, radius_multiplier: 1.0, ..CEMENT }, ..JOINT };
 
 /// Volume of a cell, which holds four spheres, m³.
 const CELL: f64 = LATTICE_CONSTANT * LATTICE_CONSTANT * LATTICE_CONSTANT;
 
-fn lattice() -> CubicElasticity {
+pub(super) fn lattice() -> CubicElasticity {
     let stiffness = numbers(&LATTICE).stiffness;
     CubicElasticity::of_bonds(stiffness.normal, stiffness.shear, LATTICE_CONSTANT)
 }
@@ -297,6 +305,50 @@ fn critical_step(bench: &mut Bench) -> Result<(), Fault> {
     let (below, above) = (growth(0.997)?, growth(1.003)?);
     bench.judge("greatest spin at 0.997 of the bound, of the start", "1", below, Kind::Reference.at_most(100.0));
     bench.judge("greatest spin at 1.003 of the bound, of the start", "1", above, Kind::Reference.at_least(1e6));
+    Ok(())
+}
+
+fn critical_step_gear(bench: &mut Bench) -> Result<(), Fault> {
+    let joint = Joint { cement: Cement { stiffness_ratio: 0.0, ..LATTICE.cement }, ..LATTICE };
+    let (cells, start, fastest) = ([2; 3], 1e-12 * SPACING, 8.0_f64.sqrt());
+    // Of displacements and velocities over the greatest frequency, root of the sum of squares.
+    let mut amplitudes = |omega_dt: f64, steps: u64| {
+        let mut scene = scene(Form::Total, joint, omega_dt / fastest);
+        scene.plan.integrator = Integrator::Gear;
+        repeat(&mut scene, cells);
+        scene.block(cells);
+        let sites = scene.state.position.clone();
+        for (k, place) in scene.state.position.iter_mut().enumerate() {
+            (0..3).for_each(|d| place[d] += start * random_vector(63, k)[d]);
+        }
+        let omega = omega_dt / scene.plan.dt;
+        let amplitude = |state: &State| {
+            let of_particle = |k: usize| {
+                let moved = size(std::array::from_fn(|d| state.position[k][d] - sites[k][d]));
+                let speed = size(state.velocity[k]) / omega;
+                moved * moved + speed * speed
+            };
+            (0..sites.len()).map(of_particle).sum::<f64>().sqrt()
+        };
+        let mut simulation = bench.start(&scene)?;
+        simulation.advance(steps)?;
+        let first = amplitude(&simulation.state()?);
+        simulation.advance(steps)?;
+        let second = amplitude(&simulation.state()?);
+        bench.seal(&simulation.state()?);
+        Ok::<[f64; 3], Fault>([amplitude(&scene.state), first, second])
+    };
+    let [begun, _, ended] = amplitudes(GEAR_OSCILLATOR_LIMIT, 8000)?;
+    let steps = 5000;
+    let [_, first, second] = amplitudes(0.6, steps)?;
+    bench.judge(
+        "amplitude at the bound after 16000 steps, of the start",
+        "1",
+        ended / begun,
+        Kind::Reference.at_most(1.0),
+    );
+    let growth = libm::log(second / first) / steps as f64;
+    bench.judge("growth at w dt = 0.6, in a step", "1", growth, Kind::Reference.relative(8.713e-4, 0.02));
     Ok(())
 }
 
