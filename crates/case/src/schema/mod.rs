@@ -11,7 +11,7 @@ mod zone;
 
 pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
 pub use particles::{
-    Align, CellKind, Component, Csv, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
+    Align, CellKind, Component, Csv, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run, RunBonds,
     SizeDistribution, SizeRange,
 };
 pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
