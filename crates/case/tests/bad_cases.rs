@@ -108,6 +108,11 @@ fn messages_as_a_user_reads_them() {
         "unknown-size",
         "period-too-short",
         "csv-not-there",
+        "group-empty",
+        "cut-idle",
+        "bond-simple-cubic",
+        "bond-out-of-reach",
+        "bond-poisson",
     ] {
         insta::assert_snapshot!(file, shown(&format!("{file}.toml")));
     }

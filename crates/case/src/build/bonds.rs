@@ -1,5 +1,6 @@
 //! Bonds: who is bonded to whom, with what, and how fast that can vibrate.
 
+mod crystal;
 mod file;
 mod joint;
 mod vibration;
@@ -98,6 +99,7 @@ impl Bonded {
         if problems[before..].iter().any(|p| p.severity == crate::Severity::Error) {
             return None;
         }
+        problems.extend(crystal::check(context, draft, &given, &[pairs.as_slice(), &carried].concat()));
         let joints = given.entries.iter().map(|entry| entry.and_then(|entry| joints[entry])).collect();
         Some(Bonded { pairs, carried, joints, given })
     }
