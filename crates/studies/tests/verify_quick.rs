@@ -1,9 +1,9 @@
 //! The quick tier of the verification catalogue on every back end, and proof that it can fail.
 
 use std::collections::BTreeSet;
-use tdem_engine::gpu::{Api, Error};
+use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{Form, Tension};
-use tdem_engine::{BondPlan, Fault, Integrator, Plan};
+use tdem_engine::{BondPlan, Integrator, Plan};
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
 fn spec(backend: Backend) -> Vec<Outcome> {
