@@ -1,6 +1,6 @@
 //! What stands on the command line, and who answers it.
 
-use crate::{bench, check, console, info, kernels, new, pack, picture, render, resume, run, shell, verify};
+use crate::{bench, calibrate, check, console, info, kernels, new, pack, picture, render, resume, run, shell, verify};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -49,6 +49,8 @@ enum Command {
     Picture(picture::Arguments),
     /// Compare the engine with closed forms and published values
     Verify(verify::Arguments),
+    /// Find the bonds that give the packing of a case a modulus, a Poisson's ratio, a strength
+    Calibrate(calibrate::Arguments),
     /// Measure how fast this machine is
     Bench(bench::Arguments),
     /// Print the kernels of a case: the laws and what calls them, as OpenCL and CUDA compile them
@@ -72,6 +74,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Pack(arguments) => pack::execute(&arguments),
         Command::Picture(arguments) => picture::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
+        Command::Calibrate(arguments) => calibrate::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Kernels(arguments) => kernels::execute(&arguments),
         Command::Schema => shell::schema(),

@@ -3,6 +3,7 @@
 mod bench;
 mod bench_case;
 mod bench_stages;
+mod calibrate;
 mod cases;
 mod check;
 mod command;

@@ -99,6 +99,93 @@ fn verify_judges() {
     room.tdem(&["verify", "nonsense"]).exits(1).complains(&["tdem::verify::unknown-name", "--list"]);
 }
 
+const ROCK: &str = r#"
+model = "BPM"
+gravity = [0.0, 0.0, 0.0]
+[time]
+step = "auto"
+end = 1e-5
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.2, 0.2, 0.2]
+[material.rock]
+density = 3000.0
+young_modulus = 30e9
+poisson_ratio = 0.2
+[[interaction]]
+between = ["rock", "rock"]
+static_friction = 0.5
+dynamic_friction = 0.5
+normal_damping = 1000.0
+tangential_damping = 100.0
+[[particles]]
+name = "block"
+material = "rock"
+lattice = { kind = "fcc", radius = 0.005, cells = [3, 3, 4], origin = [0.0, 0.0, 0.0] }
+[[bond]]
+between = ["rock", "rock"]
+tensile_strength = 1e6
+shear_strength = 4e6
+moment_contribution = 0.0
+[bond.micro]
+young_modulus = 10e9
+stiffness_ratio = 0.6
+"#;
+
+/// The number behind a key, or the last number of a comment.
+fn value(text: &str, key: &str) -> f64 {
+    let line = text.lines().find(|line| line.contains(key)).unwrap_or_else(|| panic!("no `{key}` in:\n{text}"));
+    line.split_whitespace().filter_map(|word| word.parse().ok()).next_back().unwrap()
+}
+
+#[test]
+fn calibrate_gives_bonds_that_do_what_was_asked() {
+    let room = Room::new();
+    room.write("rock.toml", ROCK);
+    let asked = ["--young-modulus", "25e9", "--poisson-ratio", "0.15"];
+    let torn = room.tdem(&[&["calibrate", "rock.toml"], &asked[..], &["--tensile-strength", "2e6"]].concat()).exits(0);
+    assert!((value(&torn.out, "# Poisson's ratio") - 0.15).abs() < 2e-5, "{}", torn.out);
+    // Torn along a lattice: what was asked for to the part that calibration stops at.
+    let strength = torn.out.lines().find(|line| line.contains("# tensile strength")).unwrap();
+    let strength: f64 = strength.split_whitespace().nth(4).unwrap().parse().unwrap();
+    assert!((strength / 2e6 - 1.0).abs() <= 0.01, "{}", torn.out);
+    assert!((value(&torn.out, "shear_strength") / value(&torn.out, "tensile_strength") - 4.0).abs() < 1e-5);
+    // What is printed takes the place of the [[bond]] and needs no correction.
+    let before = ROCK.split("[[bond]]").next().unwrap();
+    room.write("found.toml", &format!("{before}{}", torn.out));
+    let again = room.tdem(&["calibrate", "found.toml", "--young-modulus", "25e9"]).exits(0);
+    for key in ["young_modulus", "stiffness_ratio", "tensile_strength"] {
+        assert!((value(&again.out, key) / value(&torn.out, key) - 1.0).abs() < 1e-5, "{key}:\n{}", again.out);
+    }
+}
+
+#[test]
+fn calibrate_says_what_cannot_be_had() {
+    let room = Room::new();
+    room.write("rock.toml", ROCK);
+    let calibrate = |set: &[&str], asked: &[&str]| {
+        let sets: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+        room.tdem(&[&["calibrate", "rock.toml", "--young-modulus", "25e9"], &sets[..], asked].concat()).exits(1)
+    };
+    calibrate(&[], &["--poisson-ratio", "0.45"]).complains(&["tdem::calibrate::poisson-out-of-reach", "it goes from"]);
+    let unbreakable = ["bond.0.tensile_strength=unbreakable", "bond.0.shear_strength=unbreakable"];
+    calibrate(&unbreakable, &["--tensile-strength", "1e6"]).complains(&["tdem::calibrate::unbreakable"]);
+    let closed =
+        ["domain.min=[0.0, -0.1, -0.1]", "domain.max=[0.04243, 0.2, 0.2]", "domain.periodic=[true, false, false]"];
+    calibrate(&closed, &[]).complains(&["tdem::calibrate::periodic"]);
+    let (before, after) = ROCK.split_once("[[bond]]").unwrap();
+    let apart = "[[particles]]\nname = \"apart\"\nmaterial = \"rock\"\n\
+                 lattice = { kind = \"fcc\", radius = 0.005, cells = [3, 3, 3], origin = [0.0, 0.0, 0.1] }\n";
+    room.write("apart.toml", &format!("{before}{apart}[[bond]]{after}"));
+    room.tdem(&["calibrate", "apart.toml", "--young-modulus", "1e9"])
+        .exits(1)
+        .complains(&["tdem::calibrate::not-spanning"]);
+    room.tdem(&["calibrate", "case.toml", "--young-modulus", "1e9"])
+        .exits(1)
+        .complains(&["tdem::calibrate::not-bonded"]);
+    room.tdem(&["calibrate", "rock.toml", "--young-modulus", "-1"]).exits(2);
+}
+
 #[test]
 fn bench_case_tells_where_the_time_goes() {
     let room = Room::new();

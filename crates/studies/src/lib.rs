@@ -1,9 +1,13 @@
 //! Studies made with `tdem`: simulations that answer a question rather than fill a directory.
 //!
 //! * [`mod@bench`] how fast is it, as data
+//! * [`mod@calibrate`] which bonds give a packing the values of a solid
 //! * [`statics`] where bonded particles come to rest under loads, without time
+//! * [`uniaxial`] how stiff and how strong a bonded assembly is between two grips
 //! * [`verify`] does the engine compute what it should? Comparison with closed forms and published values
 
 pub mod bench;
+pub mod calibrate;
 pub mod statics;
+pub mod uniaxial;
 pub mod verify;

@@ -31,6 +31,7 @@ mod search;
 mod spring;
 mod stability;
 mod statics;
+mod strength;
 
 pub use format::{markdown, table};
 
@@ -227,6 +228,7 @@ pub fn catalogue() -> Vec<Case> {
         block::CASES,
         statics::CASES,
         prism::CASES,
+        strength::CASES,
     ]
     .concat()
 }

@@ -92,7 +92,7 @@ fn a_wrong_bond_is_caught() {
             bonds.local_damping = 1e-3;
         }
     };
-    let wrong: [Wrong; 66] = [
+    let wrong: [Wrong; 67] = [
         ("bond/vibration-verlet", stiffer),
         ("bond/vibration-gear", stiffer),
         ("bond/vibration-gear", damped),
@@ -163,6 +163,7 @@ fn a_wrong_bond_is_caught() {
         ("statics/chain", thicker),
         ("statics/block", stiffer),
         ("prism/stiffness-by-area", stiffer),
+        ("strength/lattice-elasticity", stiffer),
         ("prism/initial-stiffness-6", wrong_bond!(|joint| joint.stiffness_per_area *= 1.02)),
     ];
     let cases = catalogue();
@@ -171,7 +172,8 @@ fn a_wrong_bond_is_caught() {
         let outcome = run_altered(case, Backend::CpuLanes, alter);
         assert!(!outcome.passed(), "{name} passes with a wrong bond:\n{}", table(&[outcome]));
     }
-    let bonded = cases.iter().filter(|case| ["bond", "chain", "block", "statics", "prism"].contains(&case.group()));
+    let bonded =
+        cases.iter().filter(|case| ["bond", "chain", "block", "statics", "prism", "strength"].contains(&case.group()));
     for case in bonded.filter(|case| case.tier == Tier::Quick) {
         assert!(wrong.iter().any(|(name, _)| *name == case.name), "{} is not shown to fail", case.name);
     }

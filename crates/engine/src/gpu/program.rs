@@ -91,6 +91,10 @@ impl Variant {
     pub(crate) fn fused(&self) -> bool {
         !self.gear && !self.ledger
     }
+    /// Whether what a particle is ordered to do matters to the forces on it or to the ledger.
+    pub(crate) fn asks_constraints(&self) -> bool {
+        self.applied_forces || self.constrained && (self.ledger || self.local_damping)
+    }
     /// Whether bonds store forces.
     pub(crate) fn bonds_remember(&self) -> bool {
         self.bond_law.is_some_and(|law| matches!(law.form, bond::Form::Incremental(_)))
@@ -102,10 +106,6 @@ impl Variant {
     /// Whether bonds look at velocities.
     pub(crate) fn bonds_move(&self) -> bool {
         self.bonds_remember() || self.bond_dashpots()
-    }
-    /// Whether what a particle is ordered to do matters to the forces on it or to the ledger.
-    pub(crate) fn asks_constraints(&self) -> bool {
-        self.applied_forces || self.constrained && (self.ledger || self.local_damping)
     }
     /// Whether touching pairs remember anything.
     pub(crate) fn friction(&self) -> bool {

@@ -70,6 +70,11 @@ impl Scene {
     /// Adds touching spheres on the sites of a face-centred cubic lattice, neighbours bonded, a corner at the origin;
     /// returns the sites in half cells. Bonds reach through the faces of a box that repeats.
     pub(super) fn block(&mut self, cells: [usize; 3]) -> Vec<[usize; 3]> {
+        self.lattice(cells, |_| true)
+    }
+
+    /// The same, only the sites that are wanted.
+    pub(super) fn lattice(&mut self, cells: [usize; 3], wanted: impl Fn([usize; 3]) -> bool) -> Vec<[usize; 3]> {
         let along = |extent: usize| 0..2 * extent;
         let mut sites = Vec::new();
         for z in along(cells[2]) {
@@ -77,6 +82,7 @@ impl Scene {
                 sites.extend(along(cells[0]).filter(|x| (x + y + z) % 2 == 0).map(|x| [x, y, z]));
             }
         }
+        sites.retain(|&site| wanted(site));
         for site in &sites {
             self.sphere(RADIUS, ROCK.density, site.map(|c| 0.5 * LATTICE_CONSTANT * c as f64));
         }

@@ -94,7 +94,9 @@ impl Prism {
     /// What the constraints of the case hold, with particles moved along y.
     fn pulled(&self, particles: &[usize]) -> Boundary {
         let mut boundary = Boundary::of_plan(&self.scene.state, &self.scene.plan, 0.0);
-        particles.iter().for_each(|&k| boundary.held[k][1] = Some(PULL));
+        for &k in particles {
+            boundary.held[k][1] = Some(PULL);
+        }
         boundary
     }
 

@@ -39,8 +39,8 @@ pub(super) fn rest(scene: &Scene, boundary: &Boundary) -> Result<Solution, Fault
         .map_err(|_| Fault::Inconsistent { what: "the assembly is bonded and held" })
 }
 
-/// What the engine finds of a solution: the state there, and the largest force or moment (over the radius) on a component
-/// that nothing holds or loads, over the largest reaction or load.
+/// What the engine finds of a solution: the state there, and the largest force or moment (over the radius) that bonds,
+/// loads and reactions together leave on a particle, over the largest load or reaction.
 pub(super) fn at_rest(
     bench: &mut Bench,
     scene: &Scene,
@@ -56,9 +56,7 @@ pub(super) fn at_rest(
             let force = if d < 3 { 1.0 } else { 1.0 / state.radius[k] };
             let load = boundary.loads[k][d];
             largest = largest.max(force * solution.reaction[k][d].abs()).max(force * load.abs());
-            if boundary.held[k][d].is_none() {
-                unbalanced = unbalanced.max(force * (found[d] + load).abs());
-            }
+            unbalanced = unbalanced.max(force * (found[d] + load + solution.reaction[k][d]).abs());
         }
     }
     Ok((state, unbalanced / largest))

@@ -46,7 +46,8 @@ impl Vibration {
 impl Bonded {
     /// The fastest that can happen.
     pub(in crate::build) fn vibration(&self, domain: &Domain, state: &State, constraints: &[Constraint]) -> Vibration {
-        let rows = Rows::of(&self.pairs, state.len());
+        let pairs = [self.pairs.as_slice(), &self.carried].concat();
+        let rows = Rows::of(&pairs, state.len());
         (0..state.len())
             .into_par_iter()
             .with_min_len(1024)
