@@ -188,7 +188,10 @@ impl State {
         let mut table = vec![None; plan.materials * plan.materials];
         for (i, j, places) in self.bonds.iter().map(pair) {
             if table[places[0]].is_none() {
-                places.into_iter().for_each(|place| table[place] = numbers(i, j));
+                let found = numbers(i, j);
+                for place in places {
+                    table[place] = found;
+                }
             }
         }
         let alike = self.bonds.par_iter().map(pair).all(|(i, j, [place, _])| numbers(i, j) == table[place]);
