@@ -15,7 +15,7 @@ pub(crate) trait Stages {
     fn contact(&mut self) -> Result<(), Fault>;
     /// Adds to each particle what others keep for it, then walls, then the sum of its bonds.
     fn gather(&mut self);
-    /// Gravity, local damping, and the work of prescribed motion.
+    /// Gravity, applied forces, local damping, and the work of applied forces and of prescribed motion.
     fn boundary(&mut self);
     /// Corrects velocities by the forces of the end of the step.
     fn correct(&mut self);

@@ -89,7 +89,7 @@ fn scaled(axis: &Axis, column: Vec<f64>) -> (Vec<f64>, String) {
         Some(unit) if unit != "1" => {
             let largest = values.iter().filter(|value| value.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
             let (prefix, size) = prefix(largest);
-            (values.into_iter().map(|value| value / size).collect(), format!("{name}  ({prefix}{unit})"))
+            (values.into_iter().map(|value| value / size).collect(), format!("{name} ({prefix}{unit})"))
         }
         _ => (values, name),
     }
@@ -210,7 +210,7 @@ mod tests {
         assert_eq!(path.file_name().unwrap(), "curve-pull.svg");
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
-        assert!(text.contains("grip_displacement_y  (\u{b5}m)") && text.contains("-grip_force_y  (kN)"), "{text}");
+        assert!(text.contains("grip_displacement_y (\u{b5}m)") && text.contains("-grip_force_y (kN)"), "{text}");
         let line = text.split("<polyline").last().unwrap().split("points=\"").nth(1).unwrap();
         assert_eq!(line.split('"').next().unwrap().split_whitespace().count(), 50);
         let titled = Curve { y: axis("grip_force_y", -1e-3, Some("Force, kN")), ..curve.clone() };
