@@ -9,6 +9,7 @@ finding if anything is wrong.
 
 import csv
 import sys
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -225,6 +226,30 @@ def check_displacement(findings, frames):
         findings.check(bool(np.all((jump < 1e-5 * size) | (jump > 0.5 * size))), "displacements and positions disagree")
 
 
+def check_gauges(findings, run, history):
+    """Gauges of the case have their columns, which begin at zero and belong together; curves are drawn."""
+    case = tomllib.loads((run / "case.toml").read_text())
+    rows = list(history.values())
+    for gauge in case.get("gauge", []):
+        name, between = gauge["name"], "between" in gauge
+        columns = [f"{name}_{what}" for what in ("elongation", "strain")]
+        if not between:
+            columns = [f"{name}_{what}_{axis}" for what in ("displacement", "force") for axis in "xyz"]
+        there = all(column in row for row in rows for column in columns)
+        findings.check(there, f"{run}: gauge {name} lacks columns")
+        if not there:
+            continue
+        moved = columns[:2] if between else columns[:3]
+        if rows[0]["step"] == 0:
+            findings.check(all(abs(rows[0][column]) < 1e-15 for column in moved), f"{run}: gauge {name} begins away from zero")
+        if between:
+            lengths = [row[columns[0]] / row[columns[1]] for row in rows if row[columns[1]] != 0]
+            findings.check(np.ptp(lengths or [0]) < 1e-9 * max(lengths or [1]), f"{run}: strain of {name} is not its elongation over one length")
+    for curve in case.get("curve", []):
+        drawn = run / f"curve-{curve['name']}.svg"
+        findings.check(drawn.exists() and "</svg>" in drawn.read_text(), f"{run}: {drawn.name} is not drawn")
+
+
 def check_run(findings, run):
     frames = [read_frame(path) for path in sorted((run / "frames").glob("*.vtkhdf"))]
     history = read_history(run / "history.csv")
@@ -238,6 +263,7 @@ def check_run(findings, run):
             if "cracks" in frame["blocks"]:
                 check_bonds(findings, frame, history[frame["step"]])
     check_displacement(findings, frames)
+    check_gauges(findings, run, history)
     names = sorted({name for frame in frames for name in frame["blocks"]})
     masters = sorted(run.glob("*.vtkhdf"))
     findings.check([path.stem for path in masters] == names, f"{run}: masters {masters} for blocks {names}")

@@ -16,6 +16,21 @@ fn the_page_on_outputs_is_up_to_date() {
     up_to_date("outputs.md", &outputs());
 }
 
+#[test]
+fn a_case_may_draw_the_columns_that_are_written() {
+    let columns = |entries: Vec<Entry>| entries.iter().flat_map(Entry::columns).collect::<Vec<String>>();
+    assert_eq!(columns(Place::History.entries()), tdem_case::HISTORY_COLUMNS);
+    assert_eq!(columns(Place::History.with_bonds()), tdem_case::HISTORY_COLUMNS_OF_BONDS);
+    let gauge = |of: Option<&str>, between: Option<[&str; 2]>| tdem_case::schema::Gauge {
+        name: "NAME".to_owned(),
+        of: of.map(str::to_owned),
+        between: between.map(|names| names.map(str::to_owned)),
+    };
+    let [of, between] = Place::History.of_gauges();
+    assert_eq!(columns(of), gauge(Some("a"), None).columns());
+    assert_eq!(columns(between), gauge(None, Some(["a", "b"])).columns());
+}
+
 fn up_to_date(name: &str, text: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);
     if std::env::var_os("WRITE_PAGES").is_some() {
@@ -50,6 +65,14 @@ fn outputs() -> String {
         if !place.with_bonds().is_empty() {
             page += "\nand in runs with bonds\n\n";
             entries(&mut page, &place.with_bonds());
+        }
+        for (of, whose) in
+            place.of_gauges().iter().zip(["for each gauge of a group", "for each gauge between two groups"])
+        {
+            if !of.is_empty() {
+                let _ = write!(page, "\nand {whose}, NAME being its name\n\n");
+                entries(&mut page, of);
+            }
         }
     }
     page

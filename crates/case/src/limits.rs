@@ -11,7 +11,7 @@ use tdem_engine::physics::stability::{
     DENSE_PACKING_DAMPING, GEAR_DASHPOT_LIMIT, GEAR_OSCILLATOR_LIMIT, VERLET_DASHPOT_LIMIT, VERLET_OSCILLATOR_LIMIT,
     gear_damped_oscillator_limit, hertz_collision_time, hertz_largest_overlap, rayleigh_time,
 };
-use tdem_engine::{Constraint, State};
+use tdem_engine::{Constraint, Driven, Ramp, State};
 
 /// Steps per Hertz impact.
 const STEPS_PER_IMPACT: f64 = 20.0;
@@ -63,7 +63,7 @@ pub(crate) struct Found {
     pub(crate) largest_radius: f64,
     /// The group that has it.
     pub(crate) largest_group: usize,
-    /// Largest speed at the start, m/s.
+    /// Largest speed at the start, or of what is driven, m/s.
     speed: f64,
     /// Largest speed that gravity can give before something is in the way, m/s.
     falling: f64,
@@ -72,7 +72,13 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    pub(crate) fn of(context: &Context<'_>, state: &State, group: &[u16], constraints: &[Constraint]) -> Self {
+    pub(crate) fn of(
+        context: &Context<'_>,
+        state: &State,
+        group: &[u16],
+        constraints: &[Constraint],
+        ramps: &[Ramp],
+    ) -> Self {
         let count = context.materials.len();
         let mut found = Found {
             counts: vec![0; count],
@@ -104,6 +110,9 @@ impl Found {
                 found.falling = found.falling.max((speed * speed + 2.0 * strength * height).sqrt());
             }
         }
+        // What is driven may become faster than it starts.
+        let driven = ramps.iter().filter(|ramp| ramp.drives == Driven::Velocity).flat_map(|ramp| &ramp.points);
+        found.speed = driven.fold(found.speed, |fastest, [_, speed]| fastest.max(speed.abs()));
         found.falling = found.falling.max(found.speed);
         found
     }

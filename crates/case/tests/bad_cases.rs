@@ -108,6 +108,9 @@ fn messages_as_a_user_reads_them() {
         "unknown-size",
         "period-too-short",
         "csv-not-there",
+        "contradictory-motion",
+        "force-on-prescribed",
+        "curve-of-no-column",
     ] {
         insta::assert_snapshot!(file, shown(&format!("{file}.toml")));
     }

@@ -318,3 +318,106 @@ fn a_missing_interface_is_warned_of() {
     let built = build(&format!("{lone}{zone}"), &[]);
     assert_eq!(built.warnings.problems[0].code, "tdem::case::bond-missing");
 }
+
+/// Positions of what is cut out of a lattice around a site, with some keys of the group.
+fn cut(keys: &str) -> Vec<[f64; 3]> {
+    let text = BLOCK.replace("cells = [3, 4, 5]\norigin = [0.0, 0.0, 0.0]", "site = [0.01, 0.02, 0.03]");
+    let text = text.replace("[[particles]]", &format!("[[particles]]\n{keys}"));
+    let loaded = parse("test", &text, Path::new(""), &[]).unwrap_or_else(|p| panic!("{p}"));
+    let built = loaded.build().unwrap_or_else(|p| panic!("{p}"));
+    assert!(built.warnings.problems.is_empty(), "{}", built.warnings);
+    let again = parse("written", &loaded.effective_toml(), Path::new(""), &[]).unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!(again.build().unwrap().state.hash(), built.state.hash());
+    built.state.position
+}
+
+/// Sites of the lattice of [`cut`] that satisfy a condition on their distance from the site, in radii.
+fn sites(condition: impl Fn([f64; 3]) -> bool) -> usize {
+    let half_cell = SQRT_2;
+    let mut count = 0;
+    for cell in 0..101_i32.pow(3) {
+        let step = [cell % 101 - 50, cell / 101 % 101 - 50, cell / 10_201 - 50];
+        count += usize::from(step.iter().sum::<i32>() % 2 == 0 && condition(step.map(|n| f64::from(n) * half_cell)));
+    }
+    count
+}
+
+#[test]
+fn bodies_are_cut_out_of_a_lattice() {
+    let across = |[x, y, _]: [f64; 3]| x * x + y * y;
+    let square = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+    let through = "through = [0.01, 0.02, 0.03]";
+    let cases: [(String, usize); 4] = [
+        (
+            format!("within = {{ cylinder = {{ axis = 'z', {through}, radius = 0.033, from = -0.02, to = 0.04 }} }}"),
+            sites(|p| across(p) < 6.6 * 6.6 && (-4.0..=8.0).contains(&p[2])),
+        ),
+        (
+            "within = { ball = { center = [0.01, 0.02, 0.03], radius = 0.036 } }".to_owned(),
+            sites(|p| square(p) < 7.2 * 7.2),
+        ),
+        (
+            format!(
+                "within = {{ ball = {{ center = [0.01, 0.02, 0.03], radius = 0.036 }} }}\n\
+                 without = [{{ cylinder = {{ axis = 'z', {through}, radius = 0.009 }} }}, {{ box = {{ max = [0.2, 0.2, 0.03] }} }}]"
+            ),
+            sites(|p| square(p) < 7.2 * 7.2 && across(p) >= 1.8 * 1.8 && p[2] > 0.0),
+        ),
+        (
+            format!(
+                "within = {{ revolution = {{ axis = 'z', {through}, profile = [[-0.03, 0.0], [0.0, 0.03], [0.02, 0.03]] }} }}"
+            ),
+            sites(|p| (-6.0..=4.0).contains(&p[2]) && across(p) < f64::min(6.0, p[2] + 6.0).powi(2)),
+        ),
+    ];
+    for (keys, expected) in cases {
+        assert!(expected > 80);
+        assert_eq!(cut(&keys).len(), expected, "{keys}");
+    }
+}
+
+#[test]
+fn a_cylinder_about_a_site_is_as_symmetric_as_the_lattice() {
+    let keys =
+        "within = { cylinder = { axis = 'z', through = [0.01, 0.02, 0.0], radius = 0.033, from = 0.0, to = 0.06 } }";
+    let points = cut(keys);
+    let steps =
+        |[x, y, z]: [f64; 3]| [x - 0.01, y - 0.02, z - 0.03].map(|length| (length / (SQRT_2 * RADIUS)).round() as i32);
+    let all: std::collections::BTreeSet<[i32; 3]> = points.iter().map(|&point| steps(point)).collect();
+    assert_eq!(all.len(), points.len());
+    for [x, y, z] in &all {
+        assert!(all.contains(&[-y, *x, *z]) && all.contains(&[-x, *y, *z]) && all.contains(&[*x, *y, -z]));
+    }
+}
+
+#[test]
+fn a_lattice_about_a_site_fills_its_region_and_joins_itself_where_that_repeats() {
+    let side = 4.0 * 2.0 * SQRT_2 * RADIUS;
+    let domain = format!("{{ min = [0, 0, 0], max = [{side:?}, {side:?}, {side:?}], periodic = [true, true, false] }}");
+    let text = BLOCK.replace("cells = [3, 4, 5]\norigin = [0.0, 0.0, 0.0]", "site = [0.03, 0.01, 0.02]");
+    let set = [("domain".to_owned(), domain)];
+    let built = parse("test", &text, Path::new(""), &set).unwrap().build().unwrap_or_else(|p| panic!("{p}"));
+    // Seven layers of 32 spheres fit between the faces that do not repeat.
+    assert_eq!(built.state.len(), 7 * 32);
+    assert_eq!(built.state.bonds.len(), 7 * 32 * 2 + 6 * 32 * 4);
+}
+
+#[test]
+fn blocks_of_one_crystal_are_bonded_where_they_meet() {
+    let height = 5.0 * 2.0 * SQRT_2 * RADIUS;
+    let second = format!(
+        "[[particles]]\nmaterial = 'steel'\n[particles.lattice]\nkind = 'fcc'\nradius = 0.005\ncells = [3, 4, 2]\n\
+         origin = [0.0, 0.0, {height:?}]\n"
+    );
+    let joints = &STEEL[..STEEL.find("[[zone]]").unwrap()];
+    let built = build(&format!("{joints}{second}"), &[]);
+    let of = |id: u32| built.state.material[built.state.index_of(id).unwrap()];
+    let mut counts = [0; 3];
+    built.state.bonds.iter().for_each(|bond| counts[usize::from(of(bond.first) + of(bond.second))] += 1);
+    let [first, last] = [lattice_bonds([3, 4, 5]), lattice_bonds([3, 4, 2])];
+    assert_eq!(counts, [first, lattice_bonds([3, 4, 7]) - first - last, last]);
+    assert!(counts[1] > 50 && built.warnings.problems.is_empty());
+    let missing =
+        build(&format!("{}{second}", &joints[..joints.find("[[bond]]\nbetween = [\"concrete\"").unwrap()]), &[]);
+    assert_eq!(missing.warnings.problems[0].code, "tdem::case::bond-missing");
+}

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use tdem_case::{Built, Loaded, Problems, parse};
-use tdem_engine::{Constraint, Contact, State, physics::contact::Law};
+use tdem_engine::{Constraint, Contact, Measure, State, physics::contact::Law};
 
 /// A case of which a test replaces the particles and adds to the rest.
 const REST: &str = r#"
@@ -175,6 +175,53 @@ fn fixed_and_prescribed_components_share_constraints() {
     assert_eq!(built.plan.constraints[1].velocity, [Some(0.0), None, Some(2.0)]);
     assert_eq!(built.plan.constraints[1].angular_velocity, [None, Some(0.0), None]);
     assert_eq!(built.state.velocity[0], [0.0, 1.0, 2.0]);
+}
+
+#[test]
+fn ramps_and_forces_of_groups_and_zones() {
+    let two = ONE.replace("[[0.5, 0.5, 0.5]]", "[[0.2, 0.5, 0.5], [0.8, 0.5, 0.5]]").replace(
+        "[particles.list]",
+        "name = 'both'\nprescribed = { x = [[0.0, 0.5], [0.25, 1.5]] }\nforce = { y = 6.0 }\n[particles.list]",
+    );
+    // The second zone orders what is ordered already.
+    let zones = "[[zone]]\nname = 'right'\nbox = { min = [0.5, 0.0, 0.0] }\nforce = { y = [[0.0, 0.0], [0.5, -1.0]] }\n\
+                 [[zone]]\nbox = {}\nprescribed = { x = [[0.0, 0.5], [0.25, 1.5]] }\n\
+                 [[gauge]]\nname = 'apart'\nbetween = ['both', 'right']\n[[gauge]]\nname = 'end'\nof = 'right'\n";
+    let built = build(&format!("{two}{zones}"), &[]);
+    let Built { state, plan, .. } = &built;
+    assert_eq!((state.constraint[0], state.constraint[1]), (1, 2));
+    assert_eq!(state.velocity[0], [0.5, 0.0, 0.0], "they start as the ramp does");
+    assert_eq!(plan.constraints[1].force, [0.0, 3.0, 0.0], "both particles share the force of the group");
+    let at = |time: f64, constraint: u16| plan.constraints_at(time)[usize::from(constraint)];
+    assert_eq!(
+        at(0.125, 1),
+        Constraint { velocity: [Some(1.0), None, None], force: [0.0, 3.0, 0.0], ..Constraint::FREE }
+    );
+    assert_eq!(at(0.25, 2).force, [0.0, 2.5, 0.0], "forces add up");
+    assert_eq!((at(9.0, 2).force[1], at(9.0, 2).velocity[0]), (2.0, Some(1.5)));
+    assert_eq!(plan.ramps.len(), 3);
+    let [Measure::Between([both, right]), Measure::Of(end)] = [&plan.gauges[0].measure, &plan.gauges[1].measure] else {
+        panic!("{:?}", plan.gauges)
+    };
+    assert_eq!((&both.members[..], both.start), (&[0, 1][..], [0.5; 3]));
+    assert_eq!((&right.members[..], right.start), (&[1][..], [0.8, 0.5, 0.5]));
+    assert_eq!(end, right);
+}
+
+#[test]
+fn what_is_said_twice_must_agree() {
+    let moved = |zone: &str| {
+        let group = ONE.replace("[particles.list]", "fixed = ['x']\nprescribed = { y = 1.0 }\n[particles.list]");
+        refused(&format!("{group}[[zone]]\nbox = {{}}\n{zone}\n"), &[])
+    };
+    assert_eq!(moved("fixed = ['x']"), "built");
+    assert_eq!(moved("prescribed = { x = 0.0, y = [[0.0, 1.0], [0.5, 1.0]] }"), "built");
+    assert_eq!(moved("prescribed = { x = 0.1 }"), "tdem::case::contradictory-motion");
+    assert_eq!(moved("prescribed = { y = [[0.0, 1.0], [0.5, 1.1]] }"), "tdem::case::contradictory-motion");
+    assert_eq!(moved("force = { z = 1.0 }"), "built");
+    assert_eq!(moved("force = { y = 1.0 }"), "tdem::case::force-on-prescribed");
+    assert_eq!(moved("name = 'idle'"), "tdem::case::zone-idle");
+    assert_eq!(moved("name = 'watched'\n[[gauge]]\nname = 'a'\nof = 'watched'"), "built");
 }
 
 #[test]

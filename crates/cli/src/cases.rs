@@ -3,8 +3,9 @@
 use crate::render::{Report, Reports};
 use std::path::Path;
 use tdem_case::schema::{Positive, Step};
-use tdem_case::{Built, Fields, Loaded, Problems};
+use tdem_case::{Built, Case, Fields, Loaded, Problems};
 use tdem_engine::State;
+use tdem_results::curve::{Axis, Curve};
 use tdem_results::{Contents, Precision, load_final_state};
 
 /// Reads `KEY=VALUE`.
@@ -62,6 +63,21 @@ pub(crate) fn contents(fields: Fields) -> Contents {
         },
         compression: fields.compression,
     }
+}
+
+/// What is drawn at the end.
+pub(crate) fn curves(case: &Case) -> Vec<Curve> {
+    let axis = |column: &str, factor: f64, title: &Option<String>| Axis {
+        column: column.to_owned(),
+        factor,
+        title: title.clone(),
+    };
+    let curves = case.curve.iter().map(|curve| Curve {
+        name: curve.name.clone(),
+        x: axis(&curve.x, curve.x_factor, &curve.x_title),
+        y: axis(&curve.y, curve.y_factor, &curve.y_title),
+    });
+    curves.collect()
 }
 
 /// Whether a state belongs to a case: what a run never changes must be what the case says.

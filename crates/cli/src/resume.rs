@@ -96,6 +96,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         ));
     }
     let simulation = Simulation::new(state, built.plan, device.device)?;
-    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work, signals };
+    let curves = cases::curves(&loaded.case);
+    let (of_case, fields) = (built.schedule, built.fields);
+    let work = Work { directory, of_case, fields, curves, arguments: &arguments.work, signals };
     work.run(simulation)
 }

@@ -61,7 +61,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let kept = cases::kept(&loaded, &built)?;
     let simulation = Simulation::new(built.state, built.plan, device.device)?;
     let directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
-    let work = Work { directory, of_case: built.schedule, fields: built.fields, arguments: &arguments.work, signals };
+    let curves = cases::curves(&loaded.case);
+    let (of_case, fields) = (built.schedule, built.fields);
+    let work = Work { directory, of_case, fields, curves, arguments: &arguments.work, signals };
     work.run(simulation)
 }
 

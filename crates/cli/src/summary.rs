@@ -2,7 +2,7 @@
 
 use crate::units::{argument, bytes, clock, counted, entry, grouped, number, short};
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tdem_case::{Built, Loaded};
 use tdem_engine::{Ledger, Schedule};
@@ -50,6 +50,8 @@ pub(crate) struct Ended<'a> {
     pub(crate) particles: usize,
     pub(crate) took: Duration,
     pub(crate) last: Option<&'a Progress>,
+    /// Files of curves.
+    pub(crate) curves: &'a [PathBuf],
 }
 
 /// What came of a run.
@@ -68,7 +70,7 @@ pub(crate) fn after(ended: &Ended<'_>) -> String {
             text += &entry("", format!("as of step {}", grouped(last.ledger_step)));
         }
     }
-    text + files(ended.path).trim_end()
+    text + files(ended.path, ended.curves).trim_end()
 }
 
 /// Energies and measures.
@@ -106,7 +108,7 @@ fn energy_error(ledger: &Ledger) -> String {
 }
 
 /// What a run left on the disk, and what to do with it.
-fn files(run: &Path) -> String {
+fn files(run: &Path, curves: &[PathBuf]) -> String {
     let mut text = format!("Files in {}:\n", argument(run));
     let mut file = |name: &str, what: &str| {
         let _ = writeln!(text, "  {name:<31} {what}");
@@ -120,6 +122,9 @@ fn files(run: &Path) -> String {
         file(&masters.join(", "), &format!("{frames}; open them in ParaView and press Apply"));
     }
     file("history.csv", "energies and contacts over time");
+    for curve in curves {
+        file(&curve.file_name().unwrap_or_default().to_string_lossy(), "a curve of two of its columns");
+    }
     file("checkpoints/", "complete states, for `tdem resume` and `tdem picture`");
     text
 }

@@ -4,16 +4,17 @@ use crate::cases;
 use crate::console::{data, say};
 use crate::machine::Machine;
 use crate::progress::Watch;
-use crate::render::{Report, Reports};
+use crate::render::{self, Report, Reports};
 use crate::signals::{self, Signals};
 use crate::summary;
 use crate::units::{argument, bytes, grouped, short};
 use clap::Args;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use tdem_case::Fields;
 use tdem_engine::{Fault, Schedule, Simulation, State, gpu};
+use tdem_results::curve::{self, Curve};
 use tdem_results::{Error, Outcome, RunDirectory, RunError, load_final_state, session};
 
 #[derive(Args, Debug)]
@@ -46,6 +47,8 @@ pub(crate) struct Work<'a> {
     /// What the case asks for.
     pub(crate) of_case: Schedule,
     pub(crate) fields: Fields,
+    /// What is drawn at the end.
+    pub(crate) curves: Vec<Curve>,
     pub(crate) arguments: &'a Arguments,
     pub(crate) signals: Signals,
 }
@@ -64,6 +67,8 @@ impl Work<'_> {
         let took = began.elapsed();
         let last = watch.finish();
         let path = self.directory.path().to_owned();
+        let curves =
+            if matches!(outcome, Ok(Outcome::Finished { .. })) { draw(&path, &self.curves) } else { Vec::new() };
         // The lock is given back before anything else is read.
         drop(self.directory);
         match outcome.map_err(|error| fault_report(error, dt))? {
@@ -76,6 +81,7 @@ impl Work<'_> {
                         particles,
                         took,
                         last: last.as_ref(),
+                        curves: &curves,
                     }));
                     if step < self.of_case.steps {
                         say(format!(
@@ -105,6 +111,18 @@ impl Work<'_> {
             }
         }
     }
+}
+
+/// Draws all curves that can be drawn, and returns their files. The rest of the run is whole without them.
+fn draw(run: &Path, curves: &[Curve]) -> Vec<PathBuf> {
+    let drawn = curves.iter().filter_map(|curve| match curve::draw(run, curve) {
+        Ok(path) => Some(path),
+        Err(error) => {
+            render::warn(&Report::warning("tdem::results::curve", error.to_string()).into());
+            None
+        }
+    });
+    drawn.collect()
 }
 
 /// The line that `--hash` promises.
@@ -242,6 +260,7 @@ impl From<Error> for Reports {
             Error::HistoryColumns { .. } => ("tdem::results::history-columns", None),
             Error::PictureSize { .. } => ("tdem::results::picture-size", None),
             Error::Picture { .. } => ("tdem::results::picture", None),
+            Error::NoColumn { .. } | Error::Drawing { .. } => ("tdem::results::curve", None),
         };
         let report = Report::new(code, error.to_string());
         match help {

@@ -44,6 +44,48 @@ fn a_run_in_parts_is_the_run_in_one() {
     assert_eq!(frames("parts"), frames("whole"));
 }
 
+/// What is added to the small case: balls on the floor that are driven and pulled, watched, and drawn.
+const DRIVEN: &str = r#"
+[[zone]]
+name = "low"
+box = { max = [0.2, 0.2, 0.04] }
+prescribed = { x = [[0.0, 0.0], [0.1, 0.02], [0.15, -0.02]], z = 0.0 }
+[[zone]]
+name = "high"
+box = { min = [0.0, 0.0, 0.1] }
+force = { z = [[0.05, 0.0], [0.15, -5.0]], y = 0.5 }
+[[gauge]]
+name = "low"
+of = "low"
+[[gauge]]
+name = "apart"
+between = ["low", "high"]
+[[curve]]
+name = "push"
+x = "low_displacement_x"
+y = "low_force_x"
+y_factor = -1.0
+"#;
+
+#[test]
+fn a_driven_run_in_parts_is_the_run_in_one_with_its_gauges_and_its_curve() {
+    let room = Room::new();
+    room.write("case.toml", &format!("{}{DRIVEN}", common::CASE));
+    let whole = room.hash(&run("whole"));
+    // Within both ramps.
+    let step = 0.4 * history_steps(&room.path("whole")).into_iter().max().unwrap() as f64;
+    let said = room.tdem(&["run", "case.toml", "--out", "parts", "--steps", &format!("{}", step as u64)]).exits(0);
+    said.complains(&["curve-push.svg"]);
+    std::fs::remove_file(room.path("parts").join("curve-push.svg")).unwrap();
+    let said = room.tdem(&["resume", "parts", "--hash"]).exits(0).complains(&["curve-push.svg"]);
+    assert_eq!(said.out.trim(), whole);
+    let read = |run: &str, file: &str| std::fs::read_to_string(room.path(run).join(file)).unwrap();
+    let history = read("whole", "history.csv");
+    assert!(history.lines().next().unwrap().ends_with(",low_displacement_z,apart_elongation,apart_strain"));
+    assert_eq!(read("parts", "history.csv"), history);
+    assert_eq!(read("parts", "curve-push.svg"), read("whole", "curve-push.svg"));
+}
+
 /// Needs a device of OpenCL; PoCL will do.
 #[test]
 fn a_run_may_change_devices_on_its_way() {

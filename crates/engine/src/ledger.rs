@@ -28,7 +28,7 @@ pub struct Ledger {
     pub breakage_dissipated: f64,
     /// Put into tangential springs by a change of their stiffness since the start, J.
     pub stiffening_work: f64,
-    /// Work of walls and prescribed motion since the start, J.
+    /// Work of walls, prescribed motion and applied forces since the start, J.
     pub external_work: f64,
     /// What the ledger does not explain: present + dissipated - work - initial, J; 0 without ledger.
     pub energy_error: f64,
@@ -69,7 +69,7 @@ fn tally<const K: usize>(count: usize, term: impl Fn(usize) -> ([f64; K], f64) +
 }
 
 /// Sums only.
-fn sum<const K: usize>(count: usize, term: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
+pub(crate) fn sum<const K: usize>(count: usize, term: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
     tally(count, |index| (term(index), 0.0)).0
 }
 
@@ -84,8 +84,7 @@ impl Ledger {
                 let (velocity, spin): (Vec3<f64>, Vec3<f64>) =
                     (state.velocity[i].into(), state.angular_velocity[i].into());
                 let (mass, force): (f64, Vec3<f64>) = (state.mass[i], state.force[i].into());
-                let unfolded: [f64; 3] =
-                    std::array::from_fn(|k| state.position[i][k] + f64::from(state.image[i][k]) * length[k]);
+                let unfolded = state.true_position(i, length);
                 let terms = [
                     0.5 * mass * velocity.dot(velocity),
                     0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),

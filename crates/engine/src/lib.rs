@@ -4,6 +4,7 @@
 //! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
 //! * [`Simulation`] a state advanced by a back end under a plan
 //! * [`Ledger`] where the energy is and where it went
+//! * [`Gauge`] force on a group of particles, how far it went
 //! * [`Profile`] where the time of a step goes
 //! * [`Schedule`] when a run ends and when its state is wanted
 //!
@@ -16,6 +17,7 @@ pub mod cpu;
 mod device;
 mod evaluate;
 mod fault;
+mod gauge;
 pub mod gpu;
 mod ledger;
 mod plan;
@@ -30,8 +32,9 @@ pub use capture::Capture;
 pub use device::Device;
 pub use evaluate::{Evaluated, EvaluatedBond};
 pub use fault::Fault;
+pub use gauge::{Gauge, Group, Measure, Reading};
 pub use ledger::Ledger;
-pub use plan::{Constraint, Domain, Integrator, Plan, Search, Wall};
+pub use plan::{Constraint, Domain, Driven, Integrator, Plan, Ramp, Search, Wall};
 pub use profile::{Part, Profile, STAGES};
 pub use schedule::Schedule;
 pub use simulation::Simulation;

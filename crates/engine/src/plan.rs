@@ -1,7 +1,9 @@
 //! What stays the same during a run.
 
-use crate::BondPlan;
+use crate::{BondPlan, Gauge};
+use std::borrow::Cow;
 use tdem_physics::contact::{Interaction, Law, Period};
+use tdem_physics::motion::ramp::line;
 
 /// Laws, walls, boundary conditions and step of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +26,10 @@ pub struct Plan {
     pub gravity: [f64; 3],
     /// What particles may be forbidden or ordered to do; the first entry is [`Constraint::FREE`].
     pub constraints: Vec<Constraint>,
+    /// Numbers of constraints that change with time.
+    pub ramps: Vec<Ramp>,
+    /// Groups of particles that are watched.
+    pub gauges: Vec<Gauge>,
     /// Where particles may be.
     pub domain: Domain,
     /// How neighbours are found.
@@ -44,6 +50,32 @@ impl Plan {
     #[must_use]
     pub fn time(&self, step: u64) -> f64 {
         step as f64 * self.dt
+    }
+    /// Time in the middle of the step that follows so many others, s.
+    #[must_use]
+    pub fn middle(&self, step: u64) -> f64 {
+        (step as f64 + 0.5) * self.dt
+    }
+    /// The constraints as they are at a time.
+    #[must_use]
+    pub fn constraints_at(&self, time: f64) -> Cow<'_, [Constraint]> {
+        let mut constraints = Cow::Borrowed(&self.constraints[..]);
+        for ramp in &self.ramps {
+            let constraint = &mut constraints.to_mut()[usize::from(ramp.constraint)];
+            let (value, axis) = (ramp.value(time), ramp.axis);
+            match ramp.drives {
+                Driven::Velocity => constraint.velocity[axis] = Some(value),
+                Driven::AngularVelocity => constraint.angular_velocity[axis] = Some(value),
+                Driven::Force => constraint.force[axis] = value,
+            }
+        }
+        constraints
+    }
+    /// Whether forces are applied to any particle.
+    #[must_use]
+    pub fn applies_forces(&self) -> bool {
+        self.constraints.iter().any(|constraint| constraint.force != [0.0; 3])
+            || self.ramps.iter().any(|ramp| ramp.drives == Driven::Force)
     }
 }
 
@@ -69,18 +101,115 @@ pub struct Wall {
     pub material: u16,
 }
 
-/// Components of motion that forces do not govern.
+/// Components of motion that forces do not govern, and a force that is applied from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constraint {
     /// Prescribed velocity per component, m/s; `None` leaves the component to the forces.
     pub velocity: [Option<f64>; 3],
     /// Prescribed angular velocity per component, rad/s.
     pub angular_velocity: [Option<f64>; 3],
+    /// Applied to each particle, N.
+    pub force: [f64; 3],
 }
 
 impl Constraint {
-    /// Everything is left to the forces.
-    pub const FREE: Constraint = Constraint { velocity: [None; 3], angular_velocity: [None; 3] };
+    /// Everything is left to the forces of contacts, bonds and gravity.
+    pub const FREE: Constraint = Constraint { velocity: [None; 3], angular_velocity: [None; 3], force: [0.0; 3] };
+}
+
+/// A number of a constraint that changes with time: straight between points, constant before the first and behind the
+/// last. It replaces what the constraint says.
+///
+/// Velocities are taken where the integrator needs them. Under velocity Verlet a particle drifts with the velocity of the
+/// middle of the step, which integrates straight pieces between steps exactly, and has the velocity of the end of the
+/// step when the step is over; under Gear the same holds. A force is that of the time for which forces are computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ramp {
+    /// Index of the constraint.
+    pub constraint: u16,
+    /// What changes.
+    pub drives: Driven,
+    /// Its component: 0, 1 or 2.
+    pub axis: usize,
+    /// Time, s, and value, m/s, rad/s or N; at least one point, times strictly ascending.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// What a ramp changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driven {
+    /// A prescribed velocity.
+    Velocity,
+    /// A prescribed angular velocity.
+    AngularVelocity,
+    /// An applied force.
+    Force,
+}
+
+impl Ramp {
+    /// The value at a time.
+    #[must_use]
+    pub fn value(&self, time: f64) -> f64 {
+        self.pieces().find(|piece| piece.holds(time)).map_or(f64::NAN, |piece| piece.value(time))
+    }
+
+    /// The straight pieces, those before the first and behind the last point included: they cover all times.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
+        let points = &self.points;
+        let level = |point: &[f64; 2], from, until| {
+            let &[time, value] = point;
+            Piece { from, until, start: [time, value], end: [time + 1.0, value] }
+        };
+        let before = points.first().map(|first| level(first, f64::NEG_INFINITY, first[0]));
+        let behind = points.last().map(|last| level(last, last[0], f64::INFINITY));
+        let between = points.windows(2).map(|pair| {
+            let (start, end) = (pair[0], pair[1]);
+            Piece { from: start[0], until: end[0], start, end }
+        });
+        before.into_iter().chain(between).chain(behind)
+    }
+
+    /// Whether the points say something, in the order of time, and nothing else but finite numbers.
+    fn is_sound(&self) -> bool {
+        !self.points.is_empty()
+            && self.axis < 3
+            && self.points.iter().flatten().all(|number| number.is_finite())
+            && self.points.is_sorted_by(|a, b| a[0] < b[0])
+    }
+}
+
+/// A straight piece of a ramp, which holds at times from one, included, until another, not included.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece {
+    pub(crate) from: f64,
+    pub(crate) until: f64,
+    /// Two points of the line.
+    pub(crate) start: [f64; 2],
+    pub(crate) end: [f64; 2],
+}
+
+impl Piece {
+    fn holds(&self, time: f64) -> bool {
+        self.from <= time && time < self.until
+    }
+    fn value(&self, time: f64) -> f64 {
+        line(self.start, self.end, time)
+    }
+}
+
+impl Plan {
+    /// Whether every ramp drives what there is.
+    pub(crate) fn ramps_are_sound(&self) -> bool {
+        self.ramps.iter().all(|ramp| {
+            let constraint = self.constraints.get(usize::from(ramp.constraint));
+            ramp.is_sound()
+                && constraint.is_some_and(|constraint| match ramp.drives {
+                    Driven::Velocity => constraint.velocity[ramp.axis].is_some(),
+                    Driven::AngularVelocity => constraint.angular_velocity[ramp.axis].is_some(),
+                    Driven::Force => ramp.constraint > 0,
+                })
+        })
+    }
 }
 
 /// Where particles may be.

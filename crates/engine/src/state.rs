@@ -67,7 +67,7 @@ pub mod energy_accounts {
     pub const DAMPING: usize = 1;
     /// Put into tangential springs by a change of their stiffness.
     pub const STIFFENING: usize = 2;
-    /// Work of moving walls and of prescribed motion.
+    /// Work of moving walls, of prescribed motion and of applied forces.
     pub const EXTERNAL: usize = 3;
 }
 
@@ -103,6 +103,10 @@ impl State {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
+    }
+    /// Where a particle would be if nothing brought it back into a domain of these lengths, m.
+    pub(crate) fn true_position(&self, index: usize, length: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| self.position[index][k] + f64::from(self.image[index][k]) * length[k])
     }
     /// Index of a persistent id.
     #[must_use]
@@ -183,6 +187,8 @@ impl State {
             self.constraint.iter().all(|&c| usize::from(c) < plan.constraints.len()),
             "every constraint is in the plan",
         )?;
+        check(plan.ramps_are_sound(), "ramps ascend in time and drive components that constraints prescribe")?;
+        check(plan.gauges.iter().all(|gauge| gauge.is_sound(self)), "gauges name particles that exist")?;
         check(self.wall_position.len() == plan.walls.len(), "every wall has a position")?;
         check(
             plan.walls.iter().all(|w| usize::from(w.material) < plan.materials),

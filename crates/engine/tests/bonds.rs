@@ -191,7 +191,7 @@ fn a_cantilever_bends_under_its_weight_as_beams_do() {
 /// A pair whose second particle is pulled away at a constant velocity until the bond breaks; a state before that, the
 /// state right behind it.
 fn pulled_apart(plan: &mut Plan, state: &mut State, velocity: [f64; 3]) -> (State, State) {
-    let constraint = Constraint { velocity: velocity.map(Some), angular_velocity: [Some(0.0); 3] };
+    let constraint = Constraint { velocity: velocity.map(Some), angular_velocity: [Some(0.0); 3], ..Constraint::FREE };
     plan.constraints = vec![Constraint::FREE, CLAMPED, constraint];
     state.constraint = vec![1, 2];
     state.velocity[1] = velocity;

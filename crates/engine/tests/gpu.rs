@@ -10,7 +10,7 @@ use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
-use tdem_engine::{Constraint, Device, Fault, Integrator, Plan, Simulation, State};
+use tdem_engine::{Constraint, Device, Driven, Fault, Integrator, Plan, Ramp, Simulation, State};
 
 const STEPS: u64 = 600;
 
@@ -165,13 +165,47 @@ fn same_bits_with_several_materials_and_prescribed_motion() {
         soft.dynamic_friction = 0.1;
         plan.interactions = vec![plan.interactions[0], soft, soft, soft];
         plan.walls[1].material = 1;
-        plan.constraints
-            .push(Constraint { velocity: [Some(0.2), None, Some(0.0)], angular_velocity: [None, Some(3.0), None] });
+        let (velocity, angular_velocity) = ([Some(0.2), None, Some(0.0)], [None, Some(3.0), None]);
+        plan.constraints.push(Constraint { velocity, angular_velocity, ..Constraint::FREE });
         for i in 0..state.len() {
             state.material[i] = (i % 3 == 0).into();
             state.constraint[i] = (i % 50 == 0).into();
         }
         both(&state, &plan, STEPS, "materials and constraints");
+    }
+}
+
+/// Ramps of everything that a constraint says, with corners on steps and between them.
+#[test]
+fn same_bits_along_ramps_and_under_applied_forces() {
+    for (integrator, ledger) in [
+        (Integrator::VelocityVerlet, false),
+        (Integrator::VelocityVerlet, true),
+        (Integrator::Gear, false),
+        (Integrator::Gear, true),
+    ] {
+        let (mut state, mut plan) = scene(Law::GNTM, integrator, 2.0);
+        plan.ledger = ledger;
+        let (velocity, angular_velocity) = ([Some(0.2), None, Some(0.0)], [None, Some(3.0), None]);
+        plan.constraints.push(Constraint { velocity, angular_velocity, ..Constraint::FREE });
+        plan.constraints.push(Constraint { force: [0.0, 2e-3, -1e-3], ..Constraint::FREE });
+        let ramp =
+            |constraint, drives, axis, points: &[[f64; 2]]| Ramp { constraint, drives, axis, points: points.to_vec() };
+        plan.ramps = vec![
+            ramp(1, Driven::Velocity, 0, &[[0.0, 0.2], [100.0 * plan.dt, 0.4], [3e-3, 0.1], [0.011, 0.3]]),
+            ramp(1, Driven::AngularVelocity, 1, &[[1e-3, 3.0], [8e-3, -4.0]]),
+            ramp(2, Driven::Force, 0, &[[0.0, 0.0], [5e-3, 4e-3]]),
+        ];
+        for i in 0..state.len() {
+            state.constraint[i] = if i % 50 == 0 { 1 } else { 2 * u16::from(i % 7 == 0) };
+        }
+        let what = format!("ramps, {integrator:?}, ledger {ledger}");
+        let end = both(&state, &plan, STEPS, &what);
+        let mut moved = state;
+        for (device, steps) in [(gpu(), 137), (cpu(), 63), (gpu(), STEPS - 200)] {
+            moved = run(&moved, &plan, device, steps).expect("it goes on");
+        }
+        assert_same(&moved, &end, &what);
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod gear;
 pub mod local_damping;
 pub mod orientation;
+pub mod ramp;
 pub mod verlet;
 
 use crate::Real;

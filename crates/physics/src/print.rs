@@ -33,7 +33,7 @@ pub use bonds::{
     LocalDamping, ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
-    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage,
+    ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, RampLine,
     ReleasedBySpheres, ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy,
     TouchOfSpheres, TouchOfWall,
 };
@@ -151,6 +151,7 @@ pub fn functions(law: Law) -> Vec<(&'static str, CFunction)> {
         entry(&SphereInertia),
         entry(&Kick),
         entry(&Drift),
+        entry(&RampLine),
         entry(&GearPredict),
         entry(&GearCorrect),
     ]

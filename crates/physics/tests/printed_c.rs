@@ -117,6 +117,10 @@ fn laws_without_variants_have_the_bits_of_the_law() {
     alone(print::SphereInertia, |rng| (rng.size(-9, 3), rng.size(-9, -2)));
     alone(print::Kick, |rng| (rng.vector(-10, 3), rng.vector(-20, 20), rng.size(-9, 3), rng.dt()));
     alone(print::Drift, |rng| (rng.vector(-3, 3), rng.vector(-10, 3), rng.dt()));
+    alone(print::RampLine, |rng| {
+        let start = rng.size(-12, 2);
+        (start, rng.number(-9, 9), start + rng.size(-12, 2), rng.number(-9, 9), rng.size(-12, 4))
+    });
     alone(print::GearPredict, |rng| (rng.trajectory(), rng.dt()));
     alone(print::GearCorrect, |rng| (rng.trajectory(), rng.vector(-20, 20), rng.size(-9, 3), rng.dt()));
 }

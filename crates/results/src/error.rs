@@ -80,6 +80,24 @@ pub enum Error {
         /// The history.
         path: PathBuf,
     },
+    /// A history lacks a column that shall be drawn.
+    #[error("there is no column `{column}`: {}", path.display())]
+    NoColumn {
+        /// The column.
+        column: String,
+        /// The history.
+        path: PathBuf,
+    },
+    /// A curve could not be drawn.
+    #[error("the curve `{curve}` cannot be drawn: {why}: {}", path.display())]
+    Drawing {
+        /// Its name.
+        curve: String,
+        /// Why, in words.
+        why: String,
+        /// Its file.
+        path: PathBuf,
+    },
     /// A picture has no pixels, or more than can be held.
     #[error("a picture of {width} x {height} pixels cannot be drawn; between 1 and 16384 are possible")]
     PictureSize {

@@ -8,6 +8,7 @@ use crate::blocks::{Link, Pair, Scene, WallSum};
 use crate::history::Row;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use tdem_engine::Reading;
 
 /// A quantity that is written somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +93,16 @@ impl Place {
             Place::Contacts | Place::Walls | Place::Bonds | Place::Cracks => Vec::new(),
         }
     }
+
+    /// What each gauge of a group adds, and what each between two groups; NAME stands for its name.
+    #[must_use]
+    pub fn of_gauges(self) -> [Vec<Entry>; 2] {
+        match self {
+            Place::History => [HISTORY_OF_GROUPS, HISTORY_BETWEEN_GROUPS]
+                .map(|all| all.iter().map(|quantity| quantity.entry).collect()),
+            _ => [Vec::new(), Vec::new()],
+        }
+    }
 }
 
 impl Entry {
@@ -109,7 +120,8 @@ impl Entry {
 pub fn markdown() -> String {
     let mut text = String::from("| where | name | unit | components | meaning |\n|---|---|---|---|---|\n");
     for place in Place::ALL {
-        for entry in place.entries().into_iter().chain(place.with_bonds()) {
+        let of_gauges = place.of_gauges().concat();
+        for entry in place.entries().into_iter().chain(place.with_bonds()).chain(of_gauges) {
             let Entry { name, unit, description, components, .. } = entry;
             let line = [place.name(), &format!("`{name}`"), unit, &components.to_string(), description].join(" | ");
             text.extend(["| ", &line, " |\n"]);
@@ -135,6 +147,7 @@ type OfPairs = fn(&[Pair]) -> Values<'static>;
 type OfLinks = fn(&[Link]) -> Values<'static>;
 type OfWalls = fn(&Scene<'_>, &[WallSum]) -> Values<'static>;
 type OfRow = fn(&Row) -> Values<'static>;
+type OfReading = fn(&Reading) -> Values<'static>;
 
 const fn real<F>(name: &'static str, unit: &'static str, description: &'static str, values: F) -> Quantity<F> {
     Quantity { entry: Entry { name, unit, description, kind: Kind::Real, components: 1 }, values }
@@ -299,7 +312,9 @@ pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     real("stiffening_work", "J", "put into tangential springs by a change of their stiffness since the start", |r| {
         one(r.ledger.stiffening_work)
     }),
-    real("external_work", "J", "work of walls and prescribed motion since the start", |r| one(r.ledger.external_work)),
+    real("external_work", "J", "work of walls, prescribed motion and applied forces since the start", |r| {
+        one(r.ledger.external_work)
+    }),
     real("energy_error", "J", "what the ledger does not explain: present + dissipated - work - initial energy", |r| {
         one(r.ledger.energy_error)
     }),
@@ -325,6 +340,65 @@ pub(crate) static HISTORY_WITH_BONDS: &[Quantity<OfRow>] = &[
     id("broken_bonds", "number of bonds that broke", |r| count(r.ledger.broken_bonds)),
 ];
 
+/// NAME stands for the name of the gauge.
+pub(crate) static HISTORY_OF_GROUPS: &[Quantity<OfReading>] = &[
+    vector(
+        "NAME_force",
+        "N",
+        "force on the group: contacts, bonds, gravity and applied forces, less local damping; where the group is held or \
+         driven, its support exerts the opposite, but for what accelerates the group",
+        |r| owned(of_group(r)[0].to_vec()),
+    ),
+    vector("NAME_displacement", "m", "mean displacement of the group since the start of the run", |r| {
+        owned(of_group(r)[1].to_vec())
+    }),
+];
+
+pub(crate) static HISTORY_BETWEEN_GROUPS: &[Quantity<OfReading>] = &[
+    real(
+        "NAME_elongation",
+        "m",
+        "how much farther apart the means of two groups are than at the start, along the line that joined them then",
+        |r| one(between_groups(r)[0]),
+    ),
+    real("NAME_strain", "1", "the elongation over the distance at the start", |r| one(between_groups(r)[1])),
+];
+
+/// What a gauge writes.
+pub(crate) fn of_gauge(reading: &Reading) -> &'static [Quantity<OfReading>] {
+    match reading {
+        Reading::Of { .. } => HISTORY_OF_GROUPS,
+        Reading::Between { .. } => HISTORY_BETWEEN_GROUPS,
+    }
+}
+
+fn of_group(reading: &Reading) -> [[f64; 3]; 2] {
+    match reading {
+        Reading::Of { force, displacement } => [*force, *displacement],
+        Reading::Between { .. } => [[f64::NAN; 3]; 2],
+    }
+}
+
+fn between_groups(reading: &Reading) -> [f64; 2] {
+    match reading {
+        Reading::Between { elongation, strain } => [*elongation, *strain],
+        Reading::Of { .. } => [f64::NAN; 2],
+    }
+}
+
+/// Unit of a column of `history.csv`, those of gauges included.
+#[must_use]
+pub fn unit_of_column(column: &str) -> Option<&'static str> {
+    let is_it = |entry: &Entry| entry.columns().any(|name| name == column);
+    let of_gauge = |entry: &Entry| entry.columns().any(|name| column.ends_with(name.trim_start_matches("NAME")));
+    let all = [Place::History.entries(), Place::History.with_bonds()].concat();
+    let gauges = Place::History.of_gauges().concat();
+    all.iter()
+        .find(|entry| is_it(entry))
+        .or_else(|| gauges.iter().find(|entry| of_gauge(entry)))
+        .map(|entry| entry.unit)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -333,7 +407,7 @@ mod tests {
     #[test]
     fn every_quantity_is_documented_once_per_place() {
         for place in Place::ALL {
-            let entries = [place.entries(), place.with_bonds()].concat();
+            let entries = [place.entries(), place.with_bonds(), place.of_gauges().concat()].concat();
             let names: BTreeSet<_> = entries.iter().map(|entry| entry.name).collect();
             assert_eq!(names.len(), entries.len(), "a name is used twice in {}", place.name());
             for Entry { name, unit, description, components, .. } in entries {
@@ -345,5 +419,12 @@ mod tests {
             }
         }
         assert!(markdown().contains("| history | `energy_error` | J | 1 |"));
+    }
+
+    #[test]
+    fn every_column_has_a_unit() {
+        let units = ["time", "wall_force_x", "broken_bonds", "grip_force_y", "a_displacement_z", "middle_strain", "x"]
+            .map(unit_of_column);
+        assert_eq!(units, [Some("s"), Some("N"), Some("1"), Some("N"), Some("m"), Some("1"), None]);
     }
 }

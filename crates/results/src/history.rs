@@ -2,14 +2,14 @@
 
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;
-use crate::glossary::{HISTORY, HISTORY_WITH_BONDS, Place, Values};
+use crate::glossary::{HISTORY, HISTORY_WITH_BONDS, Place, Values, of_gauge};
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use tdem_engine::Ledger;
+use tdem_engine::{Ledger, Plan, Reading, State};
 
 /// What a row shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Steps done.
     pub step: u64,
@@ -17,48 +17,56 @@ pub struct Row {
     pub time: f64,
     /// Energies and measures.
     pub ledger: Ledger,
+    /// Names of the gauges, and what they show.
+    pub gauges: Vec<(String, Reading)>,
 }
 
 impl Row {
+    /// The row of a state, with its ledger.
+    #[must_use]
+    pub fn of(state: &State, plan: &Plan, ledger: Ledger) -> Self {
+        let gauges = plan.gauges.iter().map(|gauge| (gauge.name.clone(), gauge.read(state, plan))).collect();
+        Row { step: state.step, time: plan.time(state.step), ledger, gauges }
+    }
+
     /// Whether the run has bonds, broken ones too.
     fn has_bonds(&self) -> bool {
         self.ledger.bonds + self.ledger.broken_bonds > 0
     }
 
+    /// The first line of a history that has such rows: what every run has, what runs with bonds have, gauges.
+    fn header(&self) -> String {
+        let mut columns = columns_of_all();
+        if self.has_bonds() {
+            columns.extend(Place::History.with_bonds().iter().flat_map(crate::glossary::Entry::columns));
+        }
+        for (name, reading) in &self.gauges {
+            let columns_of_gauge = of_gauge(reading).iter().flat_map(|quantity| quantity.entry.columns());
+            columns.extend(columns_of_gauge.map(|column| column.replacen("NAME", name, 1)));
+        }
+        columns.join(",") + "\n"
+    }
+
     /// The row as text, without the end of the line. Every number reads back to the same bits.
-    fn text(&self, columns: Columns) -> String {
-        let of_bonds = if columns == Columns::WithBonds { HISTORY_WITH_BONDS } else { &[] };
-        let mut cells = Vec::with_capacity(HISTORY.len() + of_bonds.len());
-        for quantity in HISTORY.iter().chain(of_bonds) {
-            match (quantity.values)(self) {
-                // Scientific notation prints as few digits as tell the number from its neighbours.
-                Values::Real(values) => cells.extend(values.iter().map(|value| format!("{value:e}"))),
-                Values::Integer(values) => cells.extend(values.iter().map(ToString::to_string)),
-            }
+    fn text(&self) -> String {
+        let of_bonds = if self.has_bonds() { HISTORY_WITH_BONDS } else { &[] };
+        let mut cells = Vec::new();
+        let mut add = |values: Values<'_>| match values {
+            // Scientific notation prints as few digits as tell the number from its neighbours.
+            Values::Real(values) => cells.extend(values.iter().map(|value| format!("{value:e}"))),
+            Values::Integer(values) => cells.extend(values.iter().map(ToString::to_string)),
+        };
+        HISTORY.iter().chain(of_bonds).for_each(|quantity| add((quantity.values)(self)));
+        for (_, reading) in &self.gauges {
+            of_gauge(reading).iter().for_each(|quantity| add((quantity.values)(reading)));
         }
         cells.join(",")
     }
 }
 
-/// What a history has columns for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Columns {
-    /// What every run has.
-    Plain,
-    /// That, and then what runs with bonds have.
-    WithBonds,
-}
-
-impl Columns {
-    /// The first line.
-    fn header(self) -> String {
-        let mut entries = Place::History.entries();
-        if self == Columns::WithBonds {
-            entries.extend(Place::History.with_bonds());
-        }
-        let columns: Vec<String> = entries.iter().flat_map(crate::glossary::Entry::columns).collect();
-        columns.join(",") + "\n"
-    }
+/// Columns of every run.
+fn columns_of_all() -> Vec<String> {
+    Place::History.entries().iter().flat_map(crate::glossary::Entry::columns).collect()
 }
 
 /// The history of a run, open at its end.
@@ -66,20 +74,21 @@ impl Columns {
 pub(crate) struct History {
     file: File,
     path: PathBuf,
-    columns: Columns,
+    /// The first line.
+    header: String,
     /// Bytes of complete rows.
     length: u64,
     last_step: Option<u64>,
 }
 
 impl History {
-    /// Begins a history, over an old one if there is one. Its first row decides whether it has columns for bonds.
+    /// Begins a history, over an old one if there is one. Its first row decides which columns it has besides those of all.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
-        History::with_columns(path, Columns::Plain)
+        History::with_header(path, &(columns_of_all().join(",") + "\n"))
     }
 
-    fn with_columns(path: &Path, columns: Columns) -> Result<Self, Error> {
-        atomically(path, |unfinished| fs::write(unfinished, columns.header()).context(Action::Write, path))?;
+    fn with_header(path: &Path, header: &str) -> Result<Self, Error> {
+        atomically(path, |unfinished| fs::write(unfinished, header).context(Action::Write, path))?;
         History::open(path, 0)
     }
 
@@ -90,10 +99,13 @@ impl History {
         file.read_to_end(&mut text).context(Action::Read, path)?;
         let mut lines = text.split_inclusive(|&byte| byte == b'\n');
         let first = lines.next().unwrap_or_default();
-        let known =
-            [Columns::Plain, Columns::WithBonds].into_iter().find(|columns| columns.header().as_bytes() == first);
-        let Some(columns) = known else { return Err(Error::HistoryColumns { path: path.into() }) };
-        let mut history = History { file, path: path.into(), columns, length: first.len() as u64, last_step: None };
+        // Which columns follow, the first row tells that is added.
+        let header = String::from_utf8_lossy(first).into_owned();
+        let known = columns_of_all().join(",");
+        if !header.strip_prefix(&known).is_some_and(|rest| rest.starts_with([',', '\n'])) || !header.ends_with('\n') {
+            return Err(Error::HistoryColumns { path: path.into() });
+        }
+        let mut history = History { file, path: path.into(), header, length: first.len() as u64, last_step: None };
         for line in lines {
             let Some(found) = step_of(line).filter(|&found| found <= step && line.ends_with(b"\n")) else { break };
             history.last_step = Some(found);
@@ -112,10 +124,14 @@ impl History {
 
     /// Adds a row, or nothing.
     pub(crate) fn append(&mut self, row: &Row) -> Result<(), Error> {
-        if self.last_step.is_none() && self.columns == Columns::Plain && row.has_bonds() {
-            *self = History::with_columns(&self.path, Columns::WithBonds)?;
+        let header = row.header();
+        if self.header != header {
+            if self.last_step.is_some() {
+                return Err(Error::HistoryColumns { path: self.path.clone() });
+            }
+            *self = History::with_header(&self.path, &header)?;
         }
-        let text = row.text(self.columns) + "\n";
+        let text = row.text() + "\n";
         let result = self.file.seek(SeekFrom::Start(self.length)).and_then(|_| self.file.write_all(text.as_bytes()));
         if let Err(error) = result {
             // Part of the row may be there. The first error is the one to tell.
@@ -168,14 +184,14 @@ mod tests {
             unbalanced_force_ratio: 0.0,
             wall_force: [1.0, 2.0, 3.0],
         };
-        Row { step, time: step as f64 * 1e-6, ledger }
+        Row { step, time: step as f64 * 1e-6, ledger, gauges: Vec::new() }
     }
 
     #[test]
     fn numbers_read_back_to_the_same_bits() {
-        let text = row(7).text(Columns::Plain);
+        let text = row(7).text();
         let cells: Vec<&str> = text.split(',').collect();
-        let header = Columns::Plain.header();
+        let header = row(7).header();
         let names: Vec<&str> = header.trim_end().split(',').collect();
         assert_eq!(cells.len(), names.len());
         let read = |name: &str| -> f64 { cells[names.iter().position(|&n| n == name).unwrap()].parse().unwrap() };
@@ -218,7 +234,7 @@ mod tests {
         with_bonds.ledger.breakage_dissipated = 0.25;
         let mut history = History::create(&path).unwrap();
         history.append(&with_bonds).unwrap();
-        history.append(&Row { step: 10, ..with_bonds }).unwrap();
+        history.append(&Row { step: 10, ..with_bonds.clone() }).unwrap();
         drop(history);
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.starts_with(plain.lines().next().unwrap()), "columns that all runs have stay where they are");
@@ -226,8 +242,31 @@ mod tests {
         assert!(text.lines().skip(1).all(|line| line.ends_with(",0e0,2.5e-1,0,2")), "{text}");
 
         let mut history = History::open(&path, 5).unwrap();
-        history.append(&Row { step: 10, ..with_bonds }).unwrap();
+        history.append(&Row { step: 10, ..with_bonds.clone() }).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), text, "and a run that goes on keeps them");
+    }
+
+    #[test]
+    fn gauges_have_columns_behind_all_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("history.csv");
+        let grip = Reading::Of { force: [1.0, -2.0, 0.5], displacement: [0.0, 0.1 + 0.2, 0.0] };
+        let gauges =
+            vec![("grip".to_owned(), grip), ("core".to_owned(), Reading::Between { elongation: 1e-6, strain: 1e-5 })];
+        let mut history = History::create(&path).unwrap();
+        let watched = Row { gauges, ..row(0) };
+        history.append(&watched).unwrap();
+        drop(history);
+        let text = fs::read_to_string(&path).unwrap();
+        let expected = "wall_force_z,grip_force_x,grip_force_y,grip_force_z,grip_displacement_x,grip_displacement_y,\
+                        grip_displacement_z,core_elongation,core_strain";
+        assert!(text.lines().next().unwrap().ends_with(expected), "{text}");
+        assert!(text.trim_end().ends_with(",1e0,-2e0,5e-1,0e0,3.0000000000000004e-1,0e0,1e-6,1e-5"), "{text}");
+
+        let mut history = History::open(&path, 0).unwrap();
+        assert!(matches!(history.append(&row(10)), Err(Error::HistoryColumns { .. })), "rows of another run");
+        history.append(&Row { step: 10, ..watched }).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap().lines().count(), 3);
     }
 
     #[test]
@@ -244,7 +283,7 @@ mod tests {
     fn a_full_disk_is_told_as_such() {
         let file = OpenOptions::new().write(true).open("/dev/full").unwrap();
         let mut history =
-            History { file, path: "history.csv".into(), columns: Columns::Plain, length: 0, last_step: None };
+            History { file, path: "history.csv".into(), header: row(1).header(), length: 0, last_step: None };
         assert!(matches!(history.append(&row(1)), Err(Error::DiskFull { .. })));
         assert_eq!(history.last_step(), None);
     }

@@ -6,10 +6,12 @@
 //! * [`glossary`] names, units and meanings of everything that is written
 //! * [`pack`] one self-contained file per block
 //! * [`info`] what a folder holds, and the state to begin another run from
+//! * [`curve`] two columns of the history against each other
 //! * [`picture`] spheres as pixels, without a GPU
 
 mod blocks;
 pub mod checkpoint;
+pub mod curve;
 mod error;
 mod files;
 pub mod glossary;

@@ -6,6 +6,7 @@
 
 use crate::blocks::{Contents, Scene, Start};
 use crate::checkpoint::{self, Damaged};
+use crate::curve;
 use crate::error::{Action, Context, Error};
 use crate::files;
 use crate::history::{History, Row};
@@ -88,6 +89,7 @@ impl RunDirectory {
             files::remove(&path.join(file))?;
         }
         remove_masters(path)?;
+        remove_curves(path)?;
         files::remove_unfinished(path)?;
         let case = path.join(CASE);
         files::atomically(&case, |unfinished| fs::write(unfinished, case_toml).context(Action::Write, &case))?;
@@ -365,6 +367,12 @@ fn keep_frames(run: &Path, step: Option<u64>) -> Result<Stored, Error> {
 
 fn remove_masters(run: &Path) -> Result<(), Error> {
     files::with_ending(run, FRAME_ENDING)?.iter().try_for_each(|path| files::remove(path))
+}
+
+fn remove_curves(run: &Path) -> Result<(), Error> {
+    let name = |path: &Path| path.file_name().and_then(|name| name.to_str()).map(str::to_owned).unwrap_or_default();
+    let ours = files::with_ending(run, curve::ENDING)?.into_iter().filter(|path| name(path).starts_with(curve::PREFIX));
+    ours.into_iter().try_for_each(|path| files::remove(&path))
 }
 
 /// Refuses to begin a run over another, or among files that are not a run's.

@@ -215,7 +215,7 @@ impl Desk<'_> {
             let ledger = Ledger::of(&state, self.plan);
             self.tell(Report::Ledger { ledger, step, cost: took + began.elapsed() });
             if wanted.row {
-                self.sink.row(&Row { step, time: self.plan.time(step), ledger })?;
+                self.sink.row(&Row::of(&state, self.plan, ledger))?;
             }
         }
         // The first checkpoint comes before the first frame, which counts its displacements from it.

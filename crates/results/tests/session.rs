@@ -39,7 +39,7 @@ fn the_files_are_those_of_writing_one_after_the_other() {
     directory.checkpoint(&simulation.state().unwrap()).unwrap();
     for step in (0..=400).step_by(10) {
         let state = simulation.state().unwrap();
-        directory.row(&Row { step, time: plan.time(step), ledger: Ledger::of(&state, &plan) }).unwrap();
+        directory.row(&Row::of(&state, &plan, Ledger::of(&state, &plan))).unwrap();
         if step % 50 == 0 {
             directory.frame(&state, &plan).unwrap();
         }

@@ -180,6 +180,8 @@ fn plan(block: &ContactBlock) -> Plan {
         walls: Vec::new(),
         gravity: [0.0, 0.0, -9.81],
         constraints: vec![Constraint::FREE],
+        ramps: Vec::new(),
+        gauges: Vec::new(),
         domain: Domain { min: [-1e3; 3], max: [1e3; 3], periodic: [false; 3] },
         search: Search { skin: 0.1 * RADIUS, every_step: false },
         overlap_limit: 0.5,

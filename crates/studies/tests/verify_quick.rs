@@ -105,7 +105,7 @@ fn a_wrong_bond_is_caught() {
             bonds.local_damping = 1e-3;
         }
     };
-    let wrong: [Wrong; 61] = [
+    let wrong: [Wrong; 67] = [
         ("bond/vibration-verlet", stiffer),
         ("bond/vibration-gear", stiffer),
         ("bond/vibration-gear", damped),
@@ -141,6 +141,12 @@ fn a_wrong_bond_is_caught() {
         ("chain/cantilever-under-its-weight", |plan| plan.gravity[1] *= 1.003),
         ("chain/step-load", stiffer),
         ("chain/step-load", damped),
+        ("chain/step-force", stiffer),
+        ("chain/step-force", |plan| plan.constraints[2].force[0] *= 1.003),
+        ("chain/ramped-force", stiffer),
+        ("chain/ramped-force", |plan| plan.ramps[0].points[1][0] *= 1.01),
+        ("integrators/prescribed-ramp", |plan| plan.ramps[0].points[1][1] *= 1.003),
+        ("integrators/prescribed-ramp", |plan| plan.ramps[1].points[3][0] += plan.dt),
         ("chain/axial-vibration", stiffer),
         ("chain/wave-speed", stiffer),
         ("chain/bending-vibration", wrong_bond!(|joint| joint.cement.radius_multiplier *= 1.01)),

@@ -4,6 +4,7 @@ use super::Context;
 use crate::problem::{Problem, counted, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::Particles;
+use std::collections::HashSet;
 use std::f64::consts::PI;
 use tdem_engine::{Bond, Contact, Plan, State};
 
@@ -22,6 +23,27 @@ pub(super) struct Spheres {
     pub(super) material: Vec<u16>,
     /// Histories of pairs that already touch.
     pub(super) contacts: Vec<Contact>,
+}
+
+impl Spheres {
+    /// Those that are marked; histories of pairs stay where both are.
+    pub(super) fn kept(self, marks: &[bool]) -> Self {
+        fn kept<T: Copy>(values: &[T], marks: &[bool]) -> Vec<T> {
+            values.iter().zip(marks).filter_map(|(value, mark)| mark.then_some(*value)).collect()
+        }
+        let id = kept(&self.id, marks);
+        let left: HashSet<u32> = id.iter().copied().collect();
+        let contacts = self.contacts.into_iter().filter(|c| left.contains(&c.first) && left.contains(&c.second));
+        Spheres {
+            position: kept(&self.position, marks),
+            radius: kept(&self.radius, marks),
+            velocity: kept(&self.velocity, marks),
+            angular_velocity: kept(&self.angular_velocity, marks),
+            material: kept(&self.material, marks),
+            contacts: contacts.collect(),
+            id,
+        }
+    }
 }
 
 /// A state with, for each particle, the group that it came from.

@@ -39,6 +39,9 @@ pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Resu
     let wraps: [bool; 3] = std::array::from_fn(|k| {
         context.domain.periodic[k] && region.min[k] <= context.domain.min[k] && region.max[k] >= context.domain.max[k]
     });
+    if let Some(site) = spec.site {
+        return around(context, group, spec, site, wraps);
+    }
     let cells: [f64; 3] = match spec.cells {
         Some(cells) => cells.map(f64::from),
         None => std::array::from_fn(|k| {
@@ -49,18 +52,7 @@ pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Resu
     let atoms = basis(spec.kind);
     let count = cells.iter().product::<f64>() * atoms.len() as f64;
     if count == 0.0 {
-        return Err(Problem::error(
-            "tdem::case::region-too-small",
-            format!(
-                "no lattice cell fits: a cell is {} m wide, the region {} x {} x {} m",
-                number(a),
-                number(room[0]),
-                number(room[1]),
-                number(room[2])
-            ),
-        )
-        .at(context.place(group, &["lattice", "radius"]), "sets the size of a cell")
-        .help("enlarge the region or take smaller spheres"));
+        return Err(too_small(context, group, a, room));
     }
     if count > MOST_PARTICLES as f64 {
         return Err(too_many(context, group, count));
@@ -89,6 +81,71 @@ pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Resu
         }
     }
     Ok(Spheres { radius: vec![radius; position.len()], position, ..Spheres::default() })
+}
+
+/// All spheres of a lattice, one of which is at `site`, that lie wholly in the region. Directions that wrap take whole
+/// cells, as many as fit.
+fn around(
+    context: &Context<'_>,
+    group: usize,
+    spec: &Lattice,
+    site: [f64; 3],
+    wraps: [bool; 3],
+) -> Result<Spheres, Problem> {
+    let radius = spec.radius.get();
+    let a = constant(spec.kind, radius, spec.gap);
+    let region = context.region(spec.min, spec.max);
+    // Layers of spheres across a direction; in face-centred cells every other place of a layer is taken.
+    let (layers, share) = match spec.kind {
+        CellKind::Fcc => (2.0, 0.5),
+        CellKind::Sc => (1.0, 1.0),
+    };
+    let spacing = a / layers;
+    let margin = wraps.map(|wraps| if wraps { 0.0 } else { radius });
+    let first: [f64; 3] = std::array::from_fn(|k| ((region.min[k] + margin[k] - site[k]) / spacing - SLACK).ceil());
+    let count: [f64; 3] = std::array::from_fn(|k| {
+        let room = region.max[k] - region.min[k];
+        if wraps[k] {
+            return layers * (room / a * (1.0 + SLACK)).floor();
+        }
+        let last = ((region.max[k] - margin[k] - site[k]) / spacing + SLACK).floor();
+        (last - first[k] + 1.0).max(0.0)
+    });
+    let places = count.iter().product::<f64>();
+    if share * places > MOST_PARTICLES as f64 {
+        return Err(too_many(context, group, share * places));
+    }
+    let [columns, rows, slices] = count.map(|count| count as u64);
+    let mut position = Vec::with_capacity((share * places) as usize + 1);
+    for z in 0..slices {
+        for y in 0..rows {
+            for x in 0..columns {
+                let layer = [x, y, z];
+                let step: [f64; 3] = std::array::from_fn(|k| first[k] + layer[k] as f64);
+                if spec.kind == CellKind::Sc || step.iter().sum::<f64>() % 2.0 == 0.0 {
+                    position.push(std::array::from_fn(|k| site[k] + step[k] * spacing));
+                }
+            }
+        }
+    }
+    if position.is_empty() {
+        return Err(too_small(context, group, a, std::array::from_fn(|k| region.max[k] - region.min[k])));
+    }
+    Ok(Spheres { radius: vec![radius; position.len()], position, ..Spheres::default() })
+}
+
+/// Part of a cell that rounding may cost.
+const SLACK: f64 = 1e-9;
+
+fn too_small(context: &Context<'_>, group: usize, cell: f64, room: [f64; 3]) -> Problem {
+    let message = format!(
+        "no lattice cell fits: a cell is {} m wide, the region {} m",
+        number(cell),
+        room.map(number).join(" x ")
+    );
+    Problem::error("tdem::case::region-too-small", message)
+        .at(context.place(group, &["lattice", "radius"]), "sets the size of a cell")
+        .help("enlarge the region or take smaller spheres")
 }
 
 #[cfg(test)]

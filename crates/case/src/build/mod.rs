@@ -3,11 +3,13 @@
 mod bonds;
 mod csv;
 mod draft;
+mod gauges;
 mod lattice;
 mod motion;
 mod placement;
 mod random;
 mod run;
+mod shape;
 mod zones;
 
 pub(crate) use bonds::Vibration;
@@ -22,6 +24,7 @@ use crate::schema::{self, Particles, Precision, Region};
 use crate::walls::{Plane, planes};
 use bonds::Bonded;
 use draft::{Draft, Spheres};
+use motion::Motion;
 use tdem_engine::{Bond, BondHistory, Contact, Domain, Integrator, Plan, Schedule, Search, State, cpu, gpu};
 
 /// A case ready to run.
@@ -111,32 +114,38 @@ impl Loaded {
         let mut draft = Draft::default();
         for (k, group) in case.particles.iter().enumerate() {
             let placed = place(&context, loader, &draft, k, group)
+                .and_then(|spheres| {
+                    shape::cut(&context, k, group, spheres, &mut problems).map_err(|problem| vec![problem])
+                })
                 .and_then(|spheres| draft.add(&context, k, group, spheres).map_err(|problem| vec![problem]));
             if let Err(found) = placed {
                 problems.extend(found);
             }
         }
         let stop = |problems| Err(Problems::new(&self.source, problems));
-        if !problems.is_empty() {
+        let refused = |problems: &[Problem]| problems.iter().any(|p| p.severity == crate::Severity::Error);
+        if refused(&problems) {
             return stop(problems);
         }
         problems.extend(draft.repeated_ids(&context));
         problems.extend(placement::check(&context, &mut draft));
         let (zones, empty) = zones::apply(&context, &mut draft);
         problems.extend(empty);
-        let mut constraints = motion::constrain(&context, &mut draft, &zones);
-        problems.extend(motion::symmetry(&context, &mut draft, &mut constraints));
-        let found = Found::of(&context, &draft.state, &draft.group, &constraints);
+        let (mut motion, contradictions) = Motion::of(&context, &mut draft, &zones);
+        problems.extend(contradictions);
+        problems.extend(motion.symmetry(&context, &mut draft));
+        let (constraints, ramps) = motion.finish(&mut draft);
+        let found = Found::of(&context, &draft.state, &draft.group, &constraints, &ramps);
         let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
         problems.extend(context.materials.missing(case, &self.tree, &meeting));
-        if problems.iter().any(|p| p.severity == crate::Severity::Error) {
+        if refused(&problems) {
             return stop(problems);
         }
         if !placement::period_is_wide_enough(&context, &found, &mut problems) {
             return stop(problems);
         }
         let bonded = Bonded::of(&context, &draft, &mut problems);
-        if problems.iter().any(|p| p.severity == crate::Severity::Error) {
+        if refused(&problems) {
             return stop(problems);
         }
         let interactions = context.materials.interactions(case);
@@ -147,7 +156,12 @@ impl Loaded {
         let mut plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
         let bonds = bonded.as_ref().map_or(Vec::new(), |bonded| bonded.bonds(case, &draft.state));
         plan.bonds = bonded.map(|bonded| bonded.plan(case));
+        plan.ramps = ramps;
+        let watched = gauges::members(case, &draft, &zones);
         let state = draft.finish(&context, &plan, bonds);
+        let (gauges, coincident) = gauges::gauges(&context, watched, &state, &plan);
+        plan.gauges = gauges;
+        problems.extend(coincident);
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
         let memory = Memory::of(&state, &plan, (schedule.frame_every > 0).then_some(fields));
@@ -226,6 +240,8 @@ impl<'c> Context<'c> {
             walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
             gravity: case.gravity,
             constraints,
+            ramps: Vec::new(),
+            gauges: Vec::new(),
             domain: self.domain,
             search: Search { skin: case.search.skin.get() * smallest_radius, every_step: case.search.every_step },
             overlap_limit: case.contact.overlap_limit.get(),

@@ -193,38 +193,14 @@ impl Checker<'_> {
                 self.material(name, false, &["zone", index, key]);
             }
         }
-        let shapes: Vec<&str> = [
-            ("box", zone.block.is_some()),
-            ("cylinder", zone.cylinder.is_some()),
-            ("ribbed_bar", zone.ribbed_bar.is_some()),
-            ("revolution", zone.revolution.is_some()),
-        ]
-        .into_iter()
-        .filter_map(|(key, there)| there.then_some(key))
-        .collect();
         let here = self.place(&["zone", index]);
-        match shapes.as_slice() {
-            [] => self.push(
-                Problem::error("tdem::case::zone-shape", "this zone has no shape")
-                    .at(here.clone(), "`box`, `cylinder`, `ribbed_bar` or `revolution` belongs here")
-                    .help("add box = { min = [..., ..., ...], max = [..., ..., ...] }, for instance"),
-            ),
-            [first, second, ..] => {
-                let [place, other] = [second, first].map(|key| self.tree.key_place(&["zone", index, key]));
-                self.push(
-                    Problem::error("tdem::case::zone-shape", "a zone has one shape")
-                        .at(place, "one too many")
-                        .at(other, "the other")
-                        .help("make a [[zone]] of its own for each"),
-                );
-            }
-            _ => {}
-        }
-        if zone.material.is_none() && zone.fixed.is_empty() && zone.prescribed.is_empty() {
+        self.shape(&zone.shape, &["zone", index], "this zone");
+        let orders = !zone.fixed.is_empty() || !zone.prescribed.is_empty() || !zone.force.is_empty();
+        if zone.material.is_none() && !orders && !self.is_watched(&zone.name) {
             self.push(
                 Problem::error("tdem::case::zone-idle", "this zone changes nothing")
-                    .at(here, "`material`, `fixed` or `prescribed` belongs here")
-                    .help("say what the particles in it are made of or how they move"),
+                    .at(here, "`material`, `fixed`, `prescribed` or `force` belongs here")
+                    .help("say what the particles in it are made of or how they move, or give it a name and watch it with a [[gauge]]"),
             );
         }
         for (k, component) in zone.fixed.iter().enumerate() {
@@ -241,23 +217,6 @@ impl Checker<'_> {
                 );
             }
         }
-        if let Some(block) = &zone.block {
-            self.corners_if_given(&["zone", index, "box"], block.min, block.max);
-        }
-        if let Some(revolution) = &zone.revolution {
-            for k in 1..revolution.profile.len() {
-                let [before, after] = [revolution.profile[k - 1][0], revolution.profile[k][0]];
-                if before >= after {
-                    let place = self.place(&["zone", index, "revolution", "profile", &k.to_string()]);
-                    self.push(
-                        Problem::error(
-                            "tdem::case::inverted-range",
-                            format!("the profile goes from {before} m to {after} m along its axis"),
-                        )
-                        .at(place, "must be farther along than the point before it"),
-                    );
-                }
-            }
-        }
+        self.courses(&["zone", index], &zone.prescribed, &zone.force);
     }
 }

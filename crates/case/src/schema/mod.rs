@@ -4,17 +4,21 @@
 //! The same schema checks a file before `serde` reads it, so that all structural problems are found at once.
 
 mod bonds;
+mod gauge;
 mod particles;
 mod quantity;
+mod shape;
 mod zone;
 
 pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
+pub use gauge::{Curve, Gauge};
 pub use particles::{
-    Align, CellKind, Component, Csv, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
+    Align, CellKind, Component, Course, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     SizeDistribution, SizeRange,
 };
 pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
-pub use zone::{Block, Cylinder, Revolution, RibbedBar, Zone};
+pub use shape::{Ball, Block, Cylinder, Revolution, RibbedBar, Shape};
+pub use zone::Zone;
 
 use quantity::{fraction, non_negative, positive};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -75,6 +79,12 @@ pub struct Case {
     /// Planes of mirror symmetry through centres of particles.
     #[serde(default)]
     pub symmetry: Vec<Symmetry>,
+    /// Groups of particles that are watched: forces, displacements and strains in the history.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gauge: Vec<Gauge>,
+    /// Curves that are drawn at the end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curve: Vec<Curve>,
     /// How neighbours are found; changes the speed, never the result.
     #[serde(default)]
     pub search: Search,

@@ -1,6 +1,7 @@
 //! Groups of particles: where they come from, and how they start.
 
 use super::quantity::{NonNegative, Positive};
+use super::shape::Shape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Particles {
-    /// Its name in messages.
+    /// Its name in messages and for gauges.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Name of the material. May be left out if `csv` or `run` says it.
@@ -30,13 +31,23 @@ pub struct Particles {
     pub angular_velocity: [f64; 3],
     /// Components that do not move: "x", "y", "z" and the rotations about them, "rx", "ry", "rz".
     pub fixed: Vec<Component>,
-    /// Components that move at a given rate, m/s or rad/s, such as { x = 0.1 }.
+    /// Components that move at a given rate, m/s or rad/s, such as { x = 0.1 }, or along a ramp, such as
+    /// { x = [[0.0, 0.0], [1.0e-3, 0.1]] }.
     #[serde(skip_serializing_if = "Prescribed::is_empty")]
     pub prescribed: Prescribed,
+    /// Force that is applied to the group, N, such as { x = 100.0 }, or along a ramp. Its particles share it equally.
+    #[serde(skip_serializing_if = "Force::is_empty")]
+    pub force: Force,
     /// Whether particles are bonded to none, even where a `[[bond]]` joins their materials.
     pub loose: bool,
     /// Whether particles may overlap others, or walls, at the start by more than 1e-6 of a radius.
     pub allow_overlap: bool,
+    /// A part of space: of the particles below only those are kept whose centres lie in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub within: Option<Shape>,
+    /// Parts of space, such as holes: those whose centres lie in one of them are not kept.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<Shape>,
     /// On a regular lattice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lattice: Option<Lattice>,
@@ -72,43 +83,121 @@ pub enum Component {
     Rz,
 }
 
+/// A value that may change with time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Course {
+    /// Always the same.
+    Constant(f64),
+    /// Straight between points [time in s, value], times ascending; constant before the first and behind the last.
+    Points(#[schemars(length(min = 1))] Vec<[f64; 2]>),
+}
+
+impl Course {
+    /// Its points; one if it is constant.
+    #[must_use]
+    pub fn points(&self) -> Vec<[f64; 2]> {
+        match self {
+            Course::Constant(value) => vec![[0.0, *value]],
+            Course::Points(points) => match points.as_slice() {
+                [first, others @ ..] if others.iter().all(|point| point[1] == first[1]) => vec![*first],
+                points => points.to_vec(),
+            },
+        }
+    }
+    /// The value at a time, s.
+    #[must_use]
+    pub fn at(&self, time: f64) -> f64 {
+        let (constraint, drives, axis) = (0, tdem_engine::Driven::Force, 0);
+        tdem_engine::Ramp { constraint, drives, axis, points: self.points() }.value(time)
+    }
+    /// One of so many equal parts.
+    #[must_use]
+    pub fn shared(&self, parts: usize) -> Course {
+        let parts = parts as f64;
+        match self {
+            Course::Constant(value) => Course::Constant(value / parts),
+            Course::Points(points) => {
+                Course::Points(points.iter().map(|[time, value]| [*time, value / parts]).collect())
+            }
+        }
+    }
+    /// Whether it always has the same value as another.
+    #[must_use]
+    pub fn is_like(&self, other: &Course) -> bool {
+        let (mine, others) = (self.points(), other.points());
+        mine == others || mine.len() == 1 && others.len() == 1 && mine[0][1] == others[0][1]
+    }
+}
+
 /// Rates at which components move.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Prescribed {
     /// Along x, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
-    pub x: Option<f64>,
+    pub x: Option<Course>,
     /// Along y, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
-    pub y: Option<f64>,
+    pub y: Option<Course>,
     /// Along z, m/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
-    pub z: Option<f64>,
+    pub z: Option<Course>,
     /// About x, rad/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s"))]
-    pub rx: Option<f64>,
+    pub rx: Option<Course>,
     /// About y, rad/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s"))]
-    pub ry: Option<f64>,
+    pub ry: Option<Course>,
     /// About z, rad/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s"))]
-    pub rz: Option<f64>,
+    pub rz: Option<Course>,
 }
 
 impl Prescribed {
     /// The rates in the order of [`Component`].
     #[must_use]
-    pub fn components(&self) -> [Option<f64>; 6] {
-        [self.x, self.y, self.z, self.rx, self.ry, self.rz]
+    pub fn components(&self) -> [Option<&Course>; 6] {
+        [&self.x, &self.y, &self.z, &self.rx, &self.ry, &self.rz].map(Option::as_ref)
     }
     /// Whether nothing is prescribed.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.components().iter().all(Option::is_none)
+    }
+}
+
+/// A force that is applied from outside, shared equally by the particles that it is applied to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Force {
+    /// Along x, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
+    pub x: Option<Course>,
+    /// Along y, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
+    pub y: Option<Course>,
+    /// Along z, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
+    pub z: Option<Course>,
+}
+
+impl Force {
+    /// The components.
+    #[must_use]
+    pub fn components(&self) -> [Option<&Course>; 3] {
+        [&self.x, &self.y, &self.z].map(Option::as_ref)
+    }
+    /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.components().iter().all(Option::is_none)
@@ -156,6 +245,11 @@ pub struct Lattice {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub origin: Option<[f64; 3]>,
+    /// Centre of any of the spheres, m: all others follow from it that lie wholly in the region. What is cut out around
+    /// it with `within` is as symmetric as the lattice. Replaces `cells`, `align` and `origin`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub site: Option<[f64; 3]>,
 }
 
 /// A default that would contradict `origin` if it were written out.

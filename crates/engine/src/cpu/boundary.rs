@@ -1,4 +1,4 @@
-//! Stage `boundary`: gravity, local damping, and the work of prescribed motion.
+//! Stage `boundary`: gravity, applied forces, local damping, and the work of applied forces and prescribed motion.
 
 use super::bodies::Quad;
 use super::correct::hold;
@@ -7,18 +7,22 @@ use super::{CHUNK, Cpu};
 use crate::energy_accounts::{DAMPING, EXTERNAL};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
-use tdem_physics::motion::local_damping;
+use tdem_physics::motion::{local_damping, sphere_inertia};
 
 impl Cpu {
-    /// Adds gravity to all particles, damps them, and books what it takes to hold prescribed components.
+    /// Adds gravity and applied forces to all particles, damps them, and books what it takes to hold and to drive prescribed
+    /// components, and what applied forces do on the way of the step.
     pub(super) fn boundary_all(&mut self) {
         let gravity: Vec3<f64> = self.plan.gravity.into();
-        let (constraints, step, ledger) = (&self.plan.constraints, self.history_step, self.plan.ledger);
+        let (plan, step, ledger) = (&self.plan, self.history_step, self.plan.ledger);
+        let constraints = plan.constraints_at(self.time());
+        let former = plan.constraints_at(plan.time(self.step.saturating_sub(1)));
+        let (applied, ramped, moments) = (plan.applies_forces(), !plan.ramps.is_empty(), plan.law.moments);
         let local_damping = self.plan.bonds.as_ref().map_or(0.0, |bonds| bonds.local_damping);
         let bodies = &mut self.bodies;
         (
             bodies.force.par_chunks_mut(CHUNK),
-            bodies.motion.par_chunks(CHUNK),
+            (bodies.place.par_chunks(CHUNK), bodies.motion.par_chunks(CHUNK)),
             bodies.spin.par_chunks(CHUNK),
             bodies.constraint.par_chunks(CHUNK),
             optional(&mut bodies.moment),
@@ -27,12 +31,15 @@ impl Cpu {
             optional(&mut bodies.twist),
         )
             .into_par_iter()
-            .for_each(|(force, motion, spin, constraint, moment, accounts, kick, twist)| {
+            .for_each(|(force, (place, motion), spin, constraint, moment, accounts, kick, twist)| {
                 for i in 0..force.len() {
-                    let total = force[i].vector() + gravity * motion[i].scalar();
-                    force[i].set_vector(total);
                     let constrained = constraint[i] != 0;
-                    let constraint = &constraints[usize::from(constraint[i])];
+                    let [constraint, before] = [&constraints, &former].map(|table| &table[usize::from(constraint[i])]);
+                    let mut total = force[i].vector() + gravity * motion[i].scalar();
+                    if applied {
+                        total = total + constraint.force.into();
+                    }
+                    force[i].set_vector(total);
                     if local_damping > 0.0 {
                         let [kick, twist] = [&*kick, &*twist].map(|k| k.get(i).copied().unwrap_or_default().vector());
                         let velocity = motion[i].vector();
@@ -46,9 +53,22 @@ impl Cpu {
                         }
                     }
                     if ledger && constrained {
-                        accounts[i][EXTERNAL] -= power(&force[i], &constraint.velocity) * step;
+                        let external = &mut accounts[i][EXTERNAL];
+                        *external -= power(&force[i], &constraint.velocity) * step;
                         if let Some(moment) = moment.get(i) {
-                            accounts[i][EXTERNAL] -= power(moment, &constraint.angular_velocity) * step;
+                            *external -= power(moment, &constraint.angular_velocity) * step;
+                        }
+                        if ramped {
+                            let mass = motion[i].scalar();
+                            *external += gain(mass, [&before.velocity, &constraint.velocity]);
+                            if moments {
+                                let inertia = sphere_inertia(mass, place[i].scalar());
+                                *external += gain(inertia, [&before.angular_velocity, &constraint.angular_velocity]);
+                            }
+                        }
+                        if applied {
+                            let mean = (Vec3::from(before.force) + constraint.force.into()) * 0.5;
+                            *external += mean.dot(motion[i].vector()) * step;
                         }
                     }
                 }
@@ -70,6 +90,15 @@ fn damp(
     let damped = hold(local_damping::damped(whole, velocity, coefficient), whole, prescribed);
     force.set_vector(damped);
     (whole - damped).dot(velocity + kick)
+}
+
+/// What prescribed components gained in kinetic energy since the step before, J.
+fn gain(inertia: f64, [before, now]: [&[Option<f64>; 3]; 2]) -> f64 {
+    let square = |k: usize| match (before[k], now[k]) {
+        (Some(before), Some(now)) => (now - before) * (now + before),
+        _ => 0.0,
+    };
+    0.5 * inertia * (0..3).map(square).fold(0.0, |sum, term| sum + term)
 }
 
 /// Power of the forces on prescribed components, W.

@@ -12,7 +12,8 @@ impl Cpu {
     /// Corrects all particles by the forces of the end of the step.
     pub(super) fn correct_all(&mut self) {
         let dt = self.plan.dt;
-        let (constraints, integrator, moments) = (&self.plan.constraints, self.plan.integrator, self.plan.law.moments);
+        let constraints = self.plan.constraints_at(self.time());
+        let (integrator, moments) = (self.plan.integrator, self.plan.law.moments);
         let bodies = &mut self.bodies;
         (
             bodies.place.par_chunks_mut(CHUNK),

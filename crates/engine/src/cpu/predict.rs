@@ -37,7 +37,10 @@ impl Cpu {
         self.move_walls();
         let (domain, period) = (self.plan.domain, self.plan.domain.period());
         let wraps = period.any();
-        let (constraints, integrator, moments) = (&self.plan.constraints, self.plan.integrator, self.plan.law.moments);
+        // The step is counted already.
+        let middle = self.plan.constraints_at(self.plan.middle(self.step - 1));
+        let end = self.plan.constraints_at(self.plan.time(self.step));
+        let (integrator, moments) = (self.plan.integrator, self.plan.law.moments);
         let bodies = &mut self.bodies;
         let report = (
             bodies.place.par_chunks_mut(CHUNK),
@@ -71,7 +74,7 @@ impl Cpu {
                 )| {
                     let mut report = Report::START;
                     for i in 0..place.len() {
-                        let constraint = &constraints[usize::from(constraint[i])];
+                        let [constraint, at_end] = [&middle, &end].map(|table| &table[usize::from(constraint[i])]);
                         let before = place[i].vector();
                         let moving = [motion[i].vector(), spin[i].vector()];
                         match integrator {
@@ -79,7 +82,8 @@ impl Cpu {
                                 verlet_particle(&mut place[i], &mut motion[i], &force[i], constraint, dt);
                             }
                             Integrator::Gear => {
-                                gear_particle(&mut place[i], &mut motion[i], &mut derivatives[i], constraint, dt);
+                                let (motion, derivatives) = (&mut motion[i], &mut derivatives[i]);
+                                gear_particle(&mut place[i], motion, derivatives, [constraint, at_end], dt);
                             }
                         }
                         if moments && integrator == Integrator::VelocityVerlet {
@@ -174,19 +178,20 @@ fn turn(orientation: &mut Quad, spin: &Quad, dt: f64) {
     *orientation = Quad::new(turned.vector.into(), turned.scalar);
 }
 
-/// Prescribed components have no higher derivatives, so that the predictor moves them by V dt.
+/// Prescribed components have no higher derivatives, so that the predictor moves them by V dt, with the V of the middle of
+/// the step; behind it they have that of its end.
 #[inline(always)]
 fn gear_particle(
     place: &mut Quad,
     motion: &mut Quad,
     derivatives: &mut [[f64; 3]; 4],
-    constraint: &Constraint,
+    [middle, end]: [&Constraint; 2],
     dt: f64,
 ) {
-    motion.set_vector(prescribe(motion.vector(), &constraint.velocity));
+    motion.set_vector(prescribe(motion.vector(), &middle.velocity));
     let predicted = gear::predict(&trajectory(place, motion, derivatives), dt);
     place.set_vector(predicted.position);
-    motion.set_vector(prescribe(predicted.velocity, &constraint.velocity));
+    motion.set_vector(prescribe(predicted.velocity, &end.velocity));
     *derivatives = predicted.derivatives.map(Into::into);
 }
 

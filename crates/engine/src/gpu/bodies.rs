@@ -1,11 +1,11 @@
 //! The particles, walls and constants of a run on a device, and what kernels are told.
 
-use super::layout::{Beam, Box3, Constraint, Pair, Step, Vector, Wall};
+use super::layout::{Beam, Box3, Constraint, Pair, Piece, Step, Vector, Wall};
 use super::memory::{Buffer, Queue};
 use super::program::only_interaction;
 use super::runtime::{Error, Runtime};
 use crate::cpu::Quad;
-use crate::{Integrator, Plan, State};
+use crate::{Driven, Integrator, Plan, State};
 
 /// What neighbours see of particles and walls, in working order. There are two, so that a step can read one and write
 /// the other; between steps the other one holds forces in `place` and moments in `spin`. While a list is made, it is room
@@ -42,6 +42,8 @@ pub(super) struct Fields<M> {
 pub(super) struct Constants<M> {
     pub(super) interactions: Buffer<Pair, M>,
     pub(super) constraints: Buffer<Constraint, M>,
+    /// Pieces of ramps, those of one constraint side by side.
+    pub(super) pieces: Buffer<Piece, M>,
     pub(super) walls: Buffer<Wall, M>,
 }
 
@@ -138,25 +140,59 @@ impl<M> Constants<M> {
                 padding: 0,
             })
             .collect();
-        let constraints: Vec<Constraint> = plan
-            .constraints
-            .iter()
-            .map(|constraint| {
-                let given = [constraint.velocity, constraint.angular_velocity];
-                let held = given.iter().flatten().enumerate();
-                Constraint {
-                    velocity: Vector(given[0].map(Option::unwrap_or_default)),
-                    angular_velocity: Vector(given[1].map(Option::unwrap_or_default)),
-                    components: held.fold(0, |bits, (k, value)| bits | u32::from(value.is_some()) << k),
-                    padding: 0,
-                }
-            })
-            .collect();
+        let mut pieces = Vec::new();
+        let constraints: Vec<Constraint> =
+            (0..plan.constraints.len()).map(|index| constraint_record(plan, index, &mut pieces)).collect();
         Ok(Constants {
             interactions: queue.buffer_of(&pairs)?,
             constraints: queue.buffer_of(&constraints)?,
+            pieces: queue.buffer_of(&pieces)?,
             walls: queue.buffer_of(&walls)?,
         })
+    }
+}
+
+/// A constraint of the plan; the pieces of its ramps are added to those of others.
+fn constraint_record(plan: &Plan, index: usize, pieces: &mut Vec<Piece>) -> Constraint {
+    let constraint = &plan.constraints[index];
+    let given = [constraint.velocity, constraint.angular_velocity];
+    let held = given.iter().flatten().enumerate();
+    let first_piece = pieces.len() as u32;
+    for ramp in plan.ramps.iter().filter(|ramp| usize::from(ramp.constraint) == index) {
+        let vector = match ramp.drives {
+            Driven::Velocity => 0,
+            Driven::AngularVelocity => 1,
+            Driven::Force => 2,
+        };
+        pieces.extend(ramp.pieces().map(|piece| Piece {
+            from: piece.from,
+            until: piece.until,
+            start: piece.start[0],
+            start_value: piece.start[1],
+            end: piece.end[0],
+            end_value: piece.end[1],
+            number: 3 * vector + ramp.axis as u32,
+            padding: 0,
+        }));
+    }
+    Constraint {
+        velocity: Vector(given[0].map(Option::unwrap_or_default)),
+        angular_velocity: Vector(given[1].map(Option::unwrap_or_default)),
+        force: Vector(constraint.force),
+        components: held.fold(0, |bits, (k, value)| bits | u32::from(value.is_some()) << k),
+        first_piece,
+        end_piece: pieces.len() as u32,
+        padding: 0,
+    }
+}
+
+impl Step {
+    /// Tells it that so many steps are done when the present one is.
+    pub(super) fn set_clock(&mut self, plan: &Plan, steps: u64) {
+        self.former_time = plan.time(steps.saturating_sub(1));
+        self.time = plan.time(steps);
+        self.middle_time = plan.middle(steps);
+        self.next_time = plan.time(steps + 1);
     }
 }
 
@@ -167,10 +203,14 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
     let period = plan.domain.period();
     let ticks = Ticks::of(plan);
     // Bounds of directions that repeat are not a limit: a centre is brought back in before it is looked at.
-    Step {
+    let mut step = Step {
         dt: plan.dt,
         half_dt: 0.5 * plan.dt,
         history_dt: plan.dt,
+        former_time: 0.0,
+        time: 0.0,
+        middle_time: 0.0,
+        next_time: 0.0,
         half_skin_squared: if plan.search.every_step { f64::INFINITY } else { half_skin * half_skin },
         ticks_per_metre: ticks.per_metre,
         noted_way_squared: if plan.ledger { half_skin * half_skin } else { f64::INFINITY },
@@ -192,7 +232,9 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         ticks_allowed: ticks.allowed,
         bond_slots: 0,
         number: 0,
-    }
+    };
+    step.set_clock(plan, state.step);
+    step
 }
 
 /// How ways are measured that decide when a list is due, see `kernels/particle.cl`.

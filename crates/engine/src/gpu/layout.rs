@@ -133,6 +133,14 @@ records! {
         half_dt: f64,
         /// $\Delta t$ as forces see it, s: 0 while a fresh state is prepared.
         history_dt: f64,
+        /// Time of the end of the step before the present one, s.
+        former_time: f64,
+        /// Time of the end of the present step, s.
+        time: f64,
+        /// Time in the middle of the next step, s.
+        middle_time: f64,
+        /// Time of the end of the next step, s.
+        next_time: f64,
         /// How far a wall may move before the list is due, m².
         half_skin_squared: f64,
         /// Ticks are what ways of particles are measured in, 1/m.
@@ -179,11 +187,31 @@ records! {
         material: u32,
         padding: u32,
     }
-    /// Components of motion that forces do not govern: three bits for the velocity, three for the angular velocity.
+    /// Components of motion that forces do not govern: three bits for the velocity, three for the angular velocity. Pieces
+    /// of ramps replace its numbers.
     Constraint {
         velocity: Vector,
         angular_velocity: Vector,
+        /// N.
+        force: Vector,
         components: u32,
+        first_piece: u32,
+        end_piece: u32,
+        padding: u32,
+    }
+    /// A straight piece of a ramp: it holds from a time on until another.
+    Piece {
+        /// s.
+        from: f64,
+        /// s.
+        until: f64,
+        /// Two points of the line.
+        start: f64,
+        start_value: f64,
+        end: f64,
+        end_value: f64,
+        /// Which of the nine numbers of a constraint it is about.
+        number: u32,
         padding: u32,
     }
     /// What the kernels of a search are told.
@@ -355,7 +383,8 @@ kernels! {
         place: update Quad, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
         derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
         image: seldom i32, kind: read u32 where |v| v.constrained,
-        constraints: read Constraint where |v| v.constrained, reference: amend u64,
+        constraints: read Constraint where |v| v.constrained, pieces: read Piece where |v| v.ramps,
+        reference: amend u64,
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
     }
@@ -363,9 +392,10 @@ kernels! {
     contact as Contact(128, 3) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
-        kind: read u32 where |v| !v.one_pair || v.ledger && v.constrained, rank: read u32 where |v| v.ledger,
+        kind: read u32 where |v| !v.one_pair || v.asks_constraints(), rank: read u32 where |v| v.ledger,
         interactions: read Pair where |v| !v.one_pair,
-        constraints: read Constraint where |v| v.ledger && v.constrained,
+        constraints: read Constraint where |v| v.asks_constraints(),
+        pieces: read Piece where |v| v.ramps && v.asks_constraints(),
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad,
         kick_by_half: read Quad, twist_by_half: read Quad, accounts: update Quad,
@@ -378,6 +408,7 @@ kernels! {
         place: update Quad where |v| v.gear, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
         derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
         kind: read u32 where |v| v.constrained, constraints: read Constraint where |v| v.constrained,
+        pieces: read Piece where |v| v.ramps,
     }
     /// See `kernels/fused.cl`.
     fused as Fused(128, 4) {
@@ -386,7 +417,7 @@ kernels! {
         next_place: write Quad, next_motion: write Quad, next_spin: write Quad,
         image: seldom i32, kind: read u32 where |v| v.constrained || !v.one_pair,
         interactions: read Pair where |v| !v.one_pair, constraints: read Constraint where |v| v.constrained,
-        reference: amend u64,
+        pieces: read Piece where |v| v.ramps, reference: amend u64,
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
         rank: seldom u32, orientation: read Quad, next_orientation: write Quad, bonded_place: read Quad,

@@ -16,6 +16,10 @@ pub(crate) struct Variant {
     pub(crate) periodic: bool,
     /// Whether components of motion are prescribed for any particle.
     pub(crate) constrained: bool,
+    /// Whether anything that is prescribed or applied changes with time.
+    pub(crate) ramps: bool,
+    /// Whether forces are applied to any particle.
+    pub(crate) applied_forces: bool,
     /// Whether all contacts have the same parameters.
     pub(crate) one_pair: bool,
     /// Whether all particles have the same radius and mass.
@@ -58,6 +62,8 @@ impl Variant {
             ledger: plan.ledger,
             periodic: plan.domain.period().any(),
             constrained: plan.constraints.len() > 1,
+            ramps: !plan.ramps.is_empty(),
+            applied_forces: plan.applies_forces(),
             one_pair: only_interaction(plan, state).is_some(),
             one_size: alike(&state.radius) && alike(&state.mass),
             bond_law: plan.bonds.as_ref().map(|bonds| bonds.law),
@@ -72,6 +78,10 @@ impl Variant {
     /// Whether a step is one kernel.
     pub(crate) fn fused(&self) -> bool {
         !self.gear && !self.ledger
+    }
+    /// Whether what a particle is ordered to do matters to the forces on it or to the ledger.
+    pub(crate) fn asks_constraints(&self) -> bool {
+        self.applied_forces || self.constrained && (self.ledger || self.local_damping)
     }
     /// Whether touching pairs remember anything.
     pub(crate) fn friction(&self) -> bool {
@@ -99,6 +109,8 @@ impl Variant {
             ("LEDGER", self.ledger),
             ("PERIODIC", self.periodic),
             ("CONSTRAINED", self.constrained),
+            ("RAMPS", self.ramps),
+            ("APPLIED_FORCES", self.applied_forces),
             ("ONE_PAIR", self.one_pair),
             ("ONE_SIZE", self.one_size),
             ("BONDS", self.bonds),

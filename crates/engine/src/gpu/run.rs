@@ -131,6 +131,7 @@ impl<R: Runtime> Gpu<R> {
             self.bonds.begin_records(&self.queue, self.step)?;
         }
         self.queue.clear(&self.status, STATUS)?;
+        self.step_record.set_clock(&self.plan, self.step);
         self.launch_predict(false)?;
         let mut done = 0;
         if self.plan.search.every_step {
@@ -225,6 +226,7 @@ impl<R: Runtime> Gpu<R> {
                 image: &fields.image,
                 kind: &fields.kind,
                 constraints: &self.constants.constraints,
+                pieces: &self.constants.pieces,
                 reference: &self.rows.reference,
                 walls: &self.constants.walls,
                 wall_place: &half.wall_place,
@@ -240,6 +242,7 @@ impl<R: Runtime> Gpu<R> {
     /// From one prediction to the next, or to the end of the last step: the `count`-th of a call.
     fn launch_step(&mut self, count: u64, last: bool) -> Result<(), Error> {
         self.step_record.number = self.bonds.number(self.step + count).unwrap_or(0);
+        self.step_record.set_clock(&self.plan, self.step + count);
         if self.fused && !last {
             return self.launch_fused();
         }
@@ -263,6 +266,7 @@ impl<R: Runtime> Gpu<R> {
                 rank: &fields.rank,
                 interactions: &self.constants.interactions,
                 constraints: &self.constants.constraints,
+                pieces: &self.constants.pieces,
                 slice: &self.rows.slice,
                 other: &self.rows.other,
                 displacement: &self.rows.displacement,
@@ -302,6 +306,7 @@ impl<R: Runtime> Gpu<R> {
                 derivatives_z,
                 kind: &fields.kind,
                 constraints: &self.constants.constraints,
+                pieces: &self.constants.pieces,
             },
             self.particles,
         )
@@ -330,6 +335,7 @@ impl<R: Runtime> Gpu<R> {
             kind: &fields.kind,
             interactions: &self.constants.interactions,
             constraints: &self.constants.constraints,
+            pieces: &self.constants.pieces,
             reference: &self.rows.reference,
             slice: &self.rows.slice,
             other: &self.rows.other,
@@ -357,6 +363,7 @@ impl<R: Runtime> Gpu<R> {
             return Ok(());
         }
         self.queue.clear(&self.status, STATUS)?;
+        self.step_record.set_clock(&self.plan, self.step);
         let record = self.step_record;
         self.step_record = Step { history_dt: 0.0, frozen: 1, ..record };
         self.launch_contact()?;

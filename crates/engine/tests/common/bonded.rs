@@ -70,7 +70,8 @@ pub(crate) fn chain(count: usize, plan: &Plan) -> State {
 }
 
 /// Nothing moves.
-pub(crate) const CLAMPED: Constraint = Constraint { velocity: [Some(0.0); 3], angular_velocity: [Some(0.0); 3] };
+pub(crate) const CLAMPED: Constraint =
+    Constraint { velocity: [Some(0.0); 3], angular_velocity: [Some(0.0); 3], ..Constraint::FREE };
 
 /// A block of two materials, bonded also through the faces of a box that repeats in y, that drifts through these faces,
 /// lies on a floor, is hit by loose spheres, and is pulled at both ends until it cracks.

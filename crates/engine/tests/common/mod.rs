@@ -48,6 +48,8 @@ pub(crate) fn plan(law: Law, min: [f64; 3], max: [f64; 3], periodic: [bool; 3]) 
         walls: Vec::new(),
         gravity: [0.0; 3],
         constraints: vec![Constraint::FREE],
+        ramps: Vec::new(),
+        gauges: Vec::new(),
         domain: Domain { min, max, periodic },
         search: Search { skin: 1e-3, every_step: false },
         overlap_limit: 0.5,

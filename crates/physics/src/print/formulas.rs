@@ -3,7 +3,7 @@
 use super::Formula;
 use crate::contact::encounter::lever_arm;
 use crate::contact::{self, Encounter, Interaction, Law, Period, Response, Sphere, Touch};
-use crate::motion::{self, gear, gear::Trajectory, verlet};
+use crate::motion::{self, gear, gear::Trajectory, ramp, verlet};
 use crate::{Real, Vec3};
 
 /// [`Period::nearest`].
@@ -284,6 +284,23 @@ impl Formula for Drift {
     #[inline(always)]
     fn apply<R: Real>(&self, (position, velocity, dt): Self::Input<R>) -> Self::Output<R> {
         (verlet::drift(position, velocity, dt),)
+    }
+}
+
+/// [`ramp::line`].
+#[derive(Clone, Copy, Debug)]
+pub struct RampLine;
+
+impl Formula for RampLine {
+    const NAME: &'static str = "ramp_line";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value", "time"];
+    const OUTPUTS: &'static [&'static str] = &["value"];
+    type Input<R: Real> = (R, R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, start_value, end, end_value, time): Self::Input<R>) -> Self::Output<R> {
+        (ramp::line([start, start_value], [end, end_value], time),)
     }
 }
 

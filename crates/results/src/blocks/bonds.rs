@@ -216,6 +216,8 @@ mod tests {
             walls: Vec::new(),
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE, moving(0.0), moving(SPEED)],
+            ramps: Vec::new(),
+            gauges: Vec::new(),
             domain: Domain { min: [0.0; 3], max: [0.1; 3], periodic: [true, false, false] },
             search: Search { skin: 1e-3, every_step: false },
             overlap_limit: 0.5,

@@ -139,6 +139,8 @@ mod tests {
             walls: vec![Wall { name: "floor".into(), normal: [0.0, 0.0, 1.0], velocity: [0.0; 3], material: 0 }],
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE],
+            ramps: Vec::new(),
+            gauges: Vec::new(),
             domain: Domain { min: [0.0; 3], max: [1.0; 3], periodic: [true, false, false] },
             search: Search { skin: 0.01, every_step: false },
             overlap_limit: 0.5,

@@ -30,6 +30,8 @@ fn sphere(leaves: bool) -> Simulation {
         walls: Vec::new(),
         gravity: [0.0; 3],
         constraints: vec![Constraint::FREE],
+        ramps: Vec::new(),
+        gauges: Vec::new(),
         domain: Domain { min: [0.0; 3], max: [101.0; 3], periodic: [false; 3] },
         search: Search { skin: 10.0, every_step: false },
         overlap_limit: 0.5,

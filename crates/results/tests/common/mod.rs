@@ -40,6 +40,8 @@ pub(crate) fn plan() -> Plan {
         ],
         gravity: [0.0, 0.0, -9.81],
         constraints: vec![Constraint::FREE],
+        ramps: Vec::new(),
+        gauges: Vec::new(),
         domain: Domain { min: [0.0; 3], max: [0.6, 0.5, 0.8], periodic: [true, false, false] },
         search: Search { skin: 0.01, every_step: false },
         overlap_limit: 0.5,

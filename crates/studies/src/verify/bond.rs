@@ -306,7 +306,7 @@ fn turning_pair(bench: &mut Bench) -> Result<(), Fault> {
                     // The chord to the next place, and the spin that shears nothing at its end.
                     let velocity = std::array::from_fn(|d| Some((sign * place[d] - scene.state.position[k][d]) / dt));
                     let angular_velocity = [Some(0.0), Some(0.0), Some(spin)];
-                    scene.plan.constraints[k + 1] = Constraint { velocity, angular_velocity };
+                    scene.plan.constraints[k + 1] = Constraint { velocity, angular_velocity, ..Constraint::FREE };
                 }
                 let mut simulation = bench.start(&scene)?;
                 simulation.advance(1)?;

@@ -116,7 +116,7 @@ impl Way {
     /// What covers a part of it in each step of length `dt`.
     pub(super) fn at_rate(self, part: f64, dt: f64) -> Constraint {
         let rate = |component: Option<f64>| component.map(|whole| whole * part / dt);
-        Constraint { velocity: self.shift.map(rate), angular_velocity: self.turn.map(rate) }
+        Constraint { velocity: self.shift.map(rate), angular_velocity: self.turn.map(rate), ..Constraint::FREE }
     }
 }
 

@@ -5,7 +5,7 @@ use super::scene::{Bench, Scene, crossing, random_vector};
 use super::{Case, Kind, Tier};
 use std::f64::consts::PI;
 use tdem_engine::physics::bond::{Cement, Form, Joint};
-use tdem_engine::{Bond, Fault, Ledger, State};
+use tdem_engine::{Bond, Constraint, Driven, Fault, Ledger, Ramp, State};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -56,6 +56,20 @@ pub(super) const CASES: &[Case] = &[
         source: "leapfrog on paper: u = m g / K_n (1 - cos(k a)), sin(a/2) = w dt / 2: an overshoot of exactly 2",
         about: "Gravity is switched on along a single bond, without damping.",
         body: step_load,
+    },
+    Case {
+        name: "chain/step-force",
+        tier: Tier::Quick,
+        source: "leapfrog on paper: an overshoot of exactly 2; work of a constant force: F u",
+        about: "A force is applied at once to the end of a single bond, without damping.",
+        body: step_force,
+    },
+    Case {
+        name: "chain/ramped-force",
+        tier: Tier::Quick,
+        source: "u = F / K_n (t / T - sin(w t) / (w T)) while the force grows; after whole periods it does not swing",
+        about: "A force grows over two periods of a mass on a bond and stays, steps halved.",
+        body: ramped_force,
     },
     Case {
         name: "chain/axial-vibration",
@@ -235,6 +249,71 @@ fn step_load(bench: &mut Bench) -> Result<(), Fault> {
         }
         bench.seal(&simulation.state()?);
     }
+    Ok(())
+}
+
+/// A clamped bond along x with a force on its end, in `steps` steps per half period.
+fn loaded(steps: u64, force: f64) -> Scene {
+    let mut scene = scene(Form::Total, JOINT, part(1.0, PI / steps as f64));
+    scene.chain(1);
+    scene.hold(0, Way::HELD.at_rate(0.0, 1.0));
+    scene.hold(1, Constraint { force: [force, 0.0, 0.0], ..Constraint::FREE });
+    scene
+}
+
+fn step_force(bench: &mut Bench) -> Result<(), Fault> {
+    let (steps, force) = (100, 0.3);
+    let scene = loaded(steps, force);
+    let mut simulation = bench.start(&scene)?;
+    let at_rest = force / numbers(&JOINT).stiffness.normal;
+    for (half, expected) in [(1, 1.0), (2, 2.0), (4, 0.0)] {
+        simulation.advance(if half == 4 { steps } else { steps / 2 })?;
+        let state = simulation.state()?;
+        let stretch = (state.position[1][0] - SPACING) / at_rest;
+        let what = format!("stretch after {half} quarters of a period, of that at rest");
+        bench.judge(what, "1", stretch, Kind::ClosedForm.within(expected, 1e-7));
+        let work = Ledger::of(&state, &scene.plan).external_work / (force * at_rest);
+        let what = format!("work after {half} quarters of a period, of F u at rest");
+        bench.judge(what, "1", work, Kind::ClosedForm.within(expected, 1e-7));
+    }
+    bench.seal(&simulation.state()?);
+    Ok(())
+}
+
+fn ramped_force(bench: &mut Bench) -> Result<(), Fault> {
+    let force = 0.3;
+    let at_rest = force / numbers(&JOINT).stiffness.normal;
+    let mut swings = Vec::new();
+    for steps in [50, 100] {
+        let mut scene = loaded(steps, 0.0);
+        // Two periods of the true oscillation; leapfrog's is shorter by the square of the step.
+        let growth = 4.0 * PI * unit_of_time(&JOINT);
+        let points = vec![[0.0, 0.0], [growth, force]];
+        scene.plan.ramps = vec![Ramp { constraint: 2, drives: Driven::Force, axis: 0, points }];
+        let mut simulation = bench.start(&scene)?;
+        // A quarter of a period into the ramp: t / T = 1/8, sin = 1.
+        simulation.advance(steps / 2)?;
+        let stretch = (simulation.state()?.position[1][0] - SPACING) / at_rest;
+        let expected = 0.125 - 0.25 / PI;
+        let what = format!("{steps} steps per half period: stretch after a quarter, of that at rest");
+        bench.judge(what, "1", stretch, Kind::ClosedForm.relative(expected, 10.0 / (steps * steps) as f64));
+        simulation.advance(4 * steps)?;
+        let mut farthest = [f64::INFINITY, f64::NEG_INFINITY];
+        for _ in 0..2 * steps {
+            simulation.advance(1)?;
+            let stretch = (simulation.state()?.position[1][0] - SPACING) / at_rest;
+            farthest = [farthest[0].min(stretch), farthest[1].max(stretch)];
+        }
+        swings.push(0.5 * (farthest[1] - farthest[0]));
+        let state = simulation.state()?;
+        let error = Ledger::of(&state, &scene.plan).energy_error / (force * at_rest);
+        let what = format!("{steps} steps per half period: closing error, of F u at rest");
+        bench.judge(what, "1", error, Kind::Conservation.within(0.0, 5.0 / (steps * steps) as f64));
+        bench.seal(&state);
+    }
+    bench.judge("swing left with 100 steps, of the stretch", "1", swings[1], Kind::ClosedForm.within(0.0, 1e-3));
+    let order = libm::log2(swings[0] / swings[1]);
+    bench.judge("order of the swing that is left", "1", order, Kind::Order.within(2.0, 0.2));
     Ok(())
 }
 

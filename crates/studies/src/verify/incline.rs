@@ -84,7 +84,7 @@ fn incline(tangent: f64, static_friction: f64, dynamic_friction: f64, law: Law) 
 
 impl Incline {
     fn lock(&mut self) {
-        self.scene.hold(0, Constraint { velocity: [None; 3], angular_velocity: [Some(0.0); 3] });
+        self.scene.hold(0, Constraint { angular_velocity: [Some(0.0); 3], ..Constraint::FREE });
     }
     /// Gives the spring the displacement at which it carries the sphere.
     fn load(&mut self) {

@@ -3,7 +3,7 @@
 use super::scene::{Bench, Hertz, Scene, With, solid};
 use super::{Case, Kind, Tier};
 use tdem_engine::physics::contact::Law;
-use tdem_engine::{Fault, Integrator};
+use tdem_engine::{Constraint, Driven, Fault, Integrator, Ramp};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -48,7 +48,60 @@ pub(super) const CASES: &[Case] = &[
         about: "The same under Gear's method with dashpots.",
         body: |bench| order(bench, Integrator::Gear, 0.1, 100, (5.0, 0.3)),
     },
+    Case {
+        name: "integrators/prescribed-ramp",
+        tier: Tier::Quick,
+        source: "the area of the trapezes under the velocity",
+        about: "A sphere is moved and turned along ramps whose corners lie on steps, under both methods.",
+        body: prescribed_ramp,
+    },
 ];
+
+/// Corners of a ramp: step, and velocity over the largest.
+const CORNERS: [(u64, f64); 4] = [(0, 0.0), (50, 1.0), (80, 1.0), (200, -0.5)];
+
+fn prescribed_ramp(bench: &mut Bench) -> Result<(), Fault> {
+    let (speed, spin, dt) = (0.3, 20.0, 1e-4);
+    for (name, integrator) in [("Verlet", Integrator::VelocityVerlet), ("Gear", Integrator::Gear)] {
+        let material = solid(5e7, 0.3, 1000.0);
+        let mut scene = Scene::new(Law::GNTM, material.with_rigid(), dt);
+        scene.plan.integrator = integrator;
+        // Another force than that of the ramp must not show.
+        scene.plan.gravity = [0.0, 0.0, -9.81];
+        scene.sphere(0.01, 1000.0, [0.0; 3]);
+        let still = [Some(0.0); 3];
+        scene.hold(0, Constraint { velocity: still, angular_velocity: still, ..Constraint::FREE });
+        let ramp = |drives, axis, largest: f64| Ramp {
+            constraint: 1,
+            drives,
+            axis,
+            points: CORNERS.map(|(step, part)| [scene.plan.time(step), part * largest]).to_vec(),
+        };
+        scene.plan.ramps = vec![ramp(Driven::Velocity, 0, speed), ramp(Driven::AngularVelocity, 2, spin)];
+        let mut simulation = bench.start(&scene)?;
+        let mut expected = 0.0;
+        for pair in CORNERS.windows(2) {
+            let [(from, before), (until, after)] = [pair[0], pair[1]];
+            simulation.advance(until - from)?;
+            let state = simulation.state()?;
+            expected += 0.5 * (before + after) * speed * (until - from) as f64 * dt;
+            let gone = state.position[0][0];
+            bench.judge(
+                format!("{name}: way until step {until}"),
+                "m",
+                gone,
+                Kind::ClosedForm.relative(expected, 1e-13),
+            );
+            let rate = state.angular_velocity[0][2];
+            let what = format!("{name}: angular velocity at step {until}");
+            bench.judge(what, "rad/s", rate, Kind::ClosedForm.within(after * spin, 0.0));
+        }
+        let state = simulation.state()?;
+        bench.seal(&state);
+        bench.judge(format!("{name}: fall"), "m", state.position[0][2], Kind::ClosedForm.within(0.0, 0.0));
+    }
+    Ok(())
+}
 
 /// Steps of an impact, rebound over impact speed.
 type Rebounds = &'static [(f64, f64)];

@@ -137,6 +137,8 @@ impl Scene {
             walls: Vec::new(),
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE],
+            ramps: Vec::new(),
+            gauges: Vec::new(),
             domain: Domain { min: [-FAR; 3], max: [FAR; 3], periodic: [false; 3] },
             search: Search { skin: 0.0, every_step: false },
             overlap_limit: 0.5,
@@ -200,7 +202,8 @@ impl Scene {
 }
 
 /// Nothing may turn or move, except as said in the fields.
-pub(super) const HELD: Constraint = Constraint { velocity: [Some(0.0); 3], angular_velocity: [Some(0.0); 3] };
+pub(super) const HELD: Constraint =
+    Constraint { velocity: [Some(0.0); 3], angular_velocity: [Some(0.0); 3], ..Constraint::FREE };
 
 /// Random numbers in [0, 1) by counting: the n-th number of a stream does not depend on the others.
 pub(super) fn random(stream: u64, n: usize) -> f64 {

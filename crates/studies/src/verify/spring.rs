@@ -131,7 +131,8 @@ fn one_turn(bench: &mut Bench, parts: u32, stored: [f64; 3]) -> Result<State, Fa
         for (k, sign) in [(0, -1.0), (1, 1.0)] {
             // The chord to the next place; the spin is what makes its surfaces stick without slip.
             let velocity = std::array::from_fn(|d| Some((sign * place[d] - now.state.position[k][d]) / dt));
-            now.plan.constraints[k + 1] = Constraint { velocity, angular_velocity: [Some(0.0), Some(0.0), Some(spin)] };
+            let angular_velocity = [Some(0.0), Some(0.0), Some(spin)];
+            now.plan.constraints[k + 1] = Constraint { velocity, angular_velocity, ..Constraint::FREE };
         }
         simulation = bench.start(&now)?;
         simulation.advance(1)?;

@@ -63,16 +63,42 @@ DEVICE void keep_motion(const u32 i, const Body body, GLOBAL Quad *motion, GLOBA
 #endif
 }
 
+// What a particle is ordered to do at a time.
 #if CONSTRAINED
-#define HELD(kind)  constraints[CONSTRAINT_OF(kind)]
+#define HELD(kind, time)  constraint_at(constraints[CONSTRAINT_OF(kind)], pieces, time)
 #else
-#define HELD(kind)  free_of_constraints()
+#define HELD(kind, time)  free_of_constraints()
 #endif
 
 DEVICE Constraint free_of_constraints(void)
 {
     Constraint held;
     held.components = 0u;
+    return held;
+}
+
+// Pieces of ramps replace the numbers of a constraint.
+DEVICE Constraint constraint_at(const Constraint given, GLOBAL const Piece *RESTRICT pieces, const real time)
+{
+    Constraint held = given;
+#if RAMPS
+    for (u32 k = held.first_piece; k < held.end_piece; ++k) {
+        const Piece piece = pieces[k];
+        if (piece.from <= time && time < piece.until) {
+            real value;
+            ramp_line(piece.start, piece.start_value, piece.end, piece.end_value, time, &value);
+            if (piece.number == 0u) held.velocity.x = value;
+            if (piece.number == 1u) held.velocity.y = value;
+            if (piece.number == 2u) held.velocity.z = value;
+            if (piece.number == 3u) held.angular_velocity.x = value;
+            if (piece.number == 4u) held.angular_velocity.y = value;
+            if (piece.number == 5u) held.angular_velocity.z = value;
+            if (piece.number == 6u) held.force.x = value;
+            if (piece.number == 7u) held.force.y = value;
+            if (piece.number == 8u) held.force.z = value;
+        }
+    }
+#endif
     return held;
 }
 

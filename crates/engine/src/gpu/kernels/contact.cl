@@ -1,4 +1,4 @@
-// Stages `contact`, `gather` and `boundary`: forces and moments of touching pairs, walls, gravity.
+// Stages `contact`, `gather` and `boundary`: forces and moments of touching pairs, walls, gravity, applied forces.
 
 // What a particle feels. The row's order is the order of the sum: higher ranks, lower ranks, walls.
 DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
@@ -191,6 +191,42 @@ DEVICE real power(const Vec3 force, const Vec3 given, const u32 held)
     return 0.0 + force.x * (held & 1u ? given.x : 0.0) + force.y * (held & 2u ? given.y : 0.0)
          + force.z * (held & 4u ? given.z : 0.0);
 }
+
+#if RAMPS
+DEVICE real gain_of_square(const u32 held, const real before, const real now)
+{
+    return held ? (now - before) * (now + before) : 0.0;
+}
+
+// What prescribed components gained in kinetic energy since the step before, J.
+DEVICE real gain(const real inertia, const Vec3 before, const Vec3 now, const u32 held)
+{
+    return 0.5 * inertia
+         * (0.0 + gain_of_square(held & 1u, before.x, now.x) + gain_of_square(held & 2u, before.y, now.y)
+            + gain_of_square(held & 4u, before.z, now.z));
+}
+#endif
+
+// Work of prescribed motion and of applied forces in this step, booked.
+DEVICE void book_external(const Step step, const Sphere body, const Vec3 f, const Vec3 m, const Constraint held,
+                          const Constraint before, Quad *account)
+{
+    account->w -= power(f, held.velocity, held.components) * step.history_dt;
+#if MOMENTS
+    account->w -= power(m, held.angular_velocity, held.components >> 3) * step.history_dt;
+#endif
+#if RAMPS
+    account->w += gain(body.mass, before.velocity, held.velocity, held.components);
+#if MOMENTS
+    real inertia;
+    sphere_inertia(body.mass, body.radius, &inertia);
+    account->w += gain(inertia, before.angular_velocity, held.angular_velocity, held.components >> 3);
+#endif
+#endif
+#if APPLIED_FORCES
+    account->w += inner(times(plus(before.force, held.force), 0.5), body.velocity) * step.history_dt;
+#endif
+}
 #endif
 
 kernel contact
@@ -223,26 +259,29 @@ kernel contact
                                            bond_force, bond_moment, &f, &m);
             if (wrong)
                 raise_flags(step, status, wrong);
+#if APPLIED_FORCES || CONSTRAINED && (LEDGER || LOCAL_DAMPING)
+            const Constraint held = HELD(kind[i], step.time);
+#elif LOCAL_DAMPING
+            const Constraint held = free_of_constraints();
+#endif
+#if APPLIED_FORCES
+            f = plus(f, held.force);
+#endif
 #if LOCAL_DAMPING
             Vec3 kick = zero(), twist = zero();
 #if LEDGER && !GEAR
             kick = vector(kick_by_half[i]);
             twist = vector(twist_by_half[i]);
 #endif
-            const real taken = damp_locally(step, body, HELD(kind[i]), kick, twist, &f, &m);
+            const real taken = damp_locally(step, body, held, kick, twist, &f, &m);
 #if LEDGER
             account.y += taken * step.history_dt;
 #endif
 #endif
 #if LEDGER
 #if CONSTRAINED
-            if (CONSTRAINT_OF(kind[i])) {
-                const Constraint held = constraints[CONSTRAINT_OF(kind[i])];
-                account.w -= power(f, held.velocity, held.components) * step.history_dt;
-#if MOMENTS
-                account.w -= power(m, held.angular_velocity, held.components >> 3) * step.history_dt;
-#endif
-            }
+            if (CONSTRAINT_OF(kind[i]))
+                book_external(step, body, f, m, held, HELD(kind[i], step.former_time), &account);
 #endif
             if (!step.frozen)
                 accounts[i] = account;

@@ -33,7 +33,7 @@ kernel correct
     if (!flags) {
         FOR_EACH(i, step.particles) {
             Body body = body_at(i, place[i], motion[i], SPIN(i), DERIVATIVES);
-            correct_body(step, &body, vector(force[i]), MOMENT(i), HELD(kind[i]));
+            correct_body(step, &body, vector(force[i]), MOMENT(i), HELD(kind[i], step.time));
 #if GEAR
             place[i] = quad(body.sphere.position, body.sphere.radius);
 #endif

@@ -19,7 +19,7 @@ kernel fused
 #else
                 const u32 mine = 0;
 #endif
-                const Constraint held = HELD(mine);
+                const Constraint held = HELD(mine, step.time);
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS
                 body.orientation = quaternion(LOAD(orientation, i));
@@ -29,11 +29,15 @@ kernel fused
 #endif
                 u32 wrong = sum_contacts(step, i, body.sphere, MATERIAL_OF(mine), place, motion, spin, kind, interactions,
                                          slice, other, displacement, walls, wall_place, bond_force, bond_moment, &f, &m);
+#if APPLIED_FORCES
+                f = plus(f, held.force);
+#endif
 #if LOCAL_DAMPING
                 damp_locally(step, body.sphere, held, zero(), zero(), &f, &m);
 #endif
                 correct_body(step, &body, f, m, held);
-                predict_body(step, &body, f, m, held);
+                const Constraint next_held = HELD(mine, step.middle_time);
+                predict_body(step, &body, f, m, next_held, next_held);
                 wrong |= judge(step, i, &body.sphere.position, image, reference);
                 if (wrong)
                     raise_flags(step, status, wrong);

@@ -1,7 +1,8 @@
 // Stage `predict`: particles and walls move to the end of the step.
 
-// To the end of the step, under the forces of its beginning.
-DEVICE void predict_body(const Step step, Body *body, const Vec3 force, const Vec3 moment, const Constraint held)
+// To the end of the step, under the forces of its beginning. `held` is of the middle of the step, `at_end` of its end.
+DEVICE void predict_body(const Step step, Body *body, const Vec3 force, const Vec3 moment, const Constraint held,
+                         const Constraint at_end)
 {
 #if GEAR
     Trajectory now, next;
@@ -14,7 +15,7 @@ DEVICE void predict_body(const Step step, Body *body, const Vec3 force, const Ve
         now.derivatives[d] = body->derivatives[d];
     gear_predict(now, step.dt, &next);
 #if CONSTRAINED
-    next.velocity = prescribe(next.velocity, held.velocity, held.components);
+    next.velocity = prescribe(next.velocity, at_end.velocity, at_end.components);
 #endif
     body->sphere.position = next.position;
     body->sphere.velocity = next.velocity;
@@ -109,12 +110,11 @@ kernel predict
                 body.orientation = quaternion(orientation[i]);
 #endif
                 const Vec3 f = vector(force[i]), m = MOMENT(i);
-                const Constraint held = HELD(kind[i]);
                 // Between two steps nobody looks at the neighbours: the end of one and the start of the next are one.
                 if (step.corrects)
-                    correct_body(step, &body, f, m, held);
+                    correct_body(step, &body, f, m, HELD(kind[i], step.time));
                 const Sphere before = body.sphere;
-                predict_body(step, &body, f, m, held);
+                predict_body(step, &body, f, m, HELD(kind[i], step.middle_time), HELD(kind[i], step.next_time));
 #if LEDGER && !GEAR
                 kick_by_half[i] = quad(minus(body.sphere.velocity, before.velocity), 0.0);
 #if MOMENTS

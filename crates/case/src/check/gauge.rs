@@ -1,0 +1,194 @@
+//! What the text shows to be wrong with gauges and curves.
+
+use super::Checker;
+use crate::problem::Problem;
+use crate::schema::Gauge;
+use crate::structure::suggestion;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Columns that every run has in `history.csv`.
+pub const HISTORY_COLUMNS: [&str; 20] = [
+    "step",
+    "time",
+    "kinetic_translation",
+    "kinetic_rotation",
+    "elastic_normal",
+    "elastic_tangential",
+    "gravitational",
+    "friction_dissipated",
+    "damping_dissipated",
+    "stiffening_work",
+    "external_work",
+    "energy_error",
+    "unbalanced_force_ratio",
+    "contacts",
+    "wall_contacts",
+    "largest_speed",
+    "largest_overlap",
+    "wall_force_x",
+    "wall_force_y",
+    "wall_force_z",
+];
+
+/// Columns that it has in runs with bonds, besides.
+pub const HISTORY_COLUMNS_OF_BONDS: [&str; 4] = ["elastic_bonds", "breakage_dissipated", "bonds", "broken_bonds"];
+
+/// Columns of a gauge, behind its name.
+const OF: [&str; 6] = ["force_x", "force_y", "force_z", "displacement_x", "displacement_y", "displacement_z"];
+const BETWEEN: [&str; 2] = ["elongation", "strain"];
+
+impl Gauge {
+    /// Its columns in `history.csv`.
+    #[must_use]
+    pub fn columns(&self) -> Vec<String> {
+        let endings: &[&str] = if self.between.is_some() { &BETWEEN } else { &OF };
+        endings.iter().map(|ending| format!("{}_{ending}", self.name)).collect()
+    }
+    /// The names of what it watches.
+    pub(crate) fn watched(&self) -> impl Iterator<Item = &str> {
+        self.of.iter().chain(self.between.iter().flatten()).map(String::as_str)
+    }
+}
+
+impl Checker<'_> {
+    /// Whether a gauge watches a group or zone of this name.
+    pub(super) fn is_watched(&self, name: &str) -> bool {
+        !name.is_empty() && self.case.gauge.iter().any(|gauge| gauge.watched().any(|watched| watched == name))
+    }
+
+    pub(super) fn gauges(&mut self) {
+        let known = HISTORY_COLUMNS.iter().chain(&HISTORY_COLUMNS_OF_BONDS);
+        let mut columns: BTreeMap<String, Option<Range<usize>>> =
+            known.map(|column| ((*column).to_owned(), None)).collect();
+        for (k, gauge) in self.case.gauge.iter().enumerate() {
+            let index = k.to_string();
+            let place = self.place(&["gauge", &index, "name"]);
+            self.file_name(&gauge.name, place.clone());
+            self.watches(gauge, &index);
+            for column in gauge.columns() {
+                if let Some(first) = columns.insert(column.clone(), Some(place.clone())) {
+                    let problem = Problem::error(
+                        "tdem::case::duplicate-name",
+                        format!("two columns of the history would be called `{column}`"),
+                    );
+                    let problem = problem.at(place.clone(), "again here").help("choose another name");
+                    self.push(match first {
+                        Some(first) => problem.at(first, "first here"),
+                        None => problem,
+                    });
+                    break;
+                }
+            }
+        }
+        self.curves(&columns.into_keys().collect::<Vec<_>>());
+    }
+
+    /// What becomes part of a column or of a file must not need quotes anywhere.
+    fn file_name(&mut self, name: &str, place: Range<usize>) {
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
+            self.push(
+                Problem::error("tdem::case::name", format!("\"{name}\" cannot be part of a column or a file name"))
+                    .at(place, "letters, digits, `_` and `-` only"),
+            );
+        }
+    }
+
+    fn watches(&mut self, gauge: &Gauge, index: &str) {
+        match (&gauge.of, &gauge.between) {
+            (Some(_), Some(_)) => self.exclusive(&["gauge", index], "of", "between"),
+            (None, None) => {
+                let place = self.place(&["gauge", index]);
+                self.push(
+                    Problem::error("tdem::case::missing-key", format!("nothing says what `{}` watches", gauge.name))
+                        .at(place, "`of` or `between` belongs here")
+                        .help("add of = \"...\", the name of a group of particles or of a zone"),
+                );
+            }
+            (Some(name), None) => self.watched(name, &["gauge", index, "of"]),
+            (None, Some(names)) => {
+                for (n, name) in names.iter().enumerate() {
+                    self.watched(name, &["gauge", index, "between", &n.to_string()]);
+                }
+                if names[0] == names[1] {
+                    let place = self.place(&["gauge", index, "between"]);
+                    self.push(
+                        Problem::error("tdem::case::gauge-of-one", format!("`{}` is not away from itself", names[0]))
+                            .at(place, "two different ones belong here"),
+                    );
+                }
+            }
+        }
+    }
+
+    /// A name that one group of particles or one zone must have.
+    fn watched(&mut self, name: &str, path: &[&str]) {
+        let places = self.named(name);
+        let place = self.place(path);
+        let names: Vec<&str> = (self.case.particles.iter().map(|group| group.name.as_str()))
+            .chain(self.case.zone.iter().map(|zone| zone.name.as_str()))
+            .filter(|name| !name.is_empty())
+            .collect();
+        match places.as_slice() {
+            [] => {
+                let message = format!("no group of particles and no zone is called `{name}`");
+                let help = suggestion(name, &names);
+                self.push(Problem::error("tdem::case::unknown-group", message).at(place, "not defined").help(help));
+            }
+            [first, second, ..] => {
+                let problem =
+                    Problem::error("tdem::case::duplicate-name", format!("two are called `{name}`, and it is watched"));
+                let problem = problem.at(second.clone(), "again here").at(first.clone(), "first here");
+                self.push(problem.at(place, "which of them?").help("give each its own name"));
+            }
+            [_] => {}
+        }
+    }
+
+    /// Where groups and zones get a name.
+    fn named(&self, name: &str) -> Vec<Range<usize>> {
+        let groups = self.case.particles.iter().map(|group| &group.name).enumerate().map(|entry| ("particles", entry));
+        let zones = self.case.zone.iter().map(|zone| &zone.name).enumerate().map(|entry| ("zone", entry));
+        groups
+            .chain(zones)
+            .filter(|(_, (_, known))| *known == name)
+            .map(|(table, (k, _))| self.place(&[table, &k.to_string(), "name"]))
+            .collect()
+    }
+
+    fn curves(&mut self, columns: &[String]) {
+        let bonds = self.case.model == crate::schema::Model::BPM;
+        let columns: Vec<&str> = columns
+            .iter()
+            .map(String::as_str)
+            .filter(|column| bonds || !HISTORY_COLUMNS_OF_BONDS.contains(column))
+            .collect();
+        let mut names: BTreeMap<&str, Range<usize>> = BTreeMap::new();
+        for (k, curve) in self.case.curve.iter().enumerate() {
+            let index = k.to_string();
+            let place = self.place(&["curve", &index, "name"]);
+            self.file_name(&curve.name, place.clone());
+            if let Some(first) = names.insert(&curve.name, place.clone()) {
+                self.push(
+                    Problem::error("tdem::case::duplicate-name", format!("two curves are called `{}`", curve.name))
+                        .at(place, "again here")
+                        .at(first, "first here")
+                        .help("give each its own name"),
+                );
+            }
+            for (key, column, factor) in [("x", &curve.x, curve.x_factor), ("y", &curve.y, curve.y_factor)] {
+                if !columns.contains(&column.as_str()) {
+                    let place = self.place(&["curve", &index, key]);
+                    let message = format!("the history has no column `{column}`");
+                    let help = suggestion(column, &columns);
+                    self.push(Problem::error("tdem::case::unknown-column", message).at(place, "not there").help(help));
+                }
+                if factor == 0.0 {
+                    let place = self.place(&["curve", &index, &format!("{key}_factor")]);
+                    let message = format!("a factor of 0 leaves nothing of `{column}`");
+                    self.push(Problem::error("tdem::case::out-of-range", message).at(place, "must not be 0"));
+                }
+            }
+        }
+    }
+}

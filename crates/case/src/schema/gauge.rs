@@ -1,0 +1,50 @@
+//! What is watched during a run, and what is drawn of it at the end.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Watches particles and adds columns to `history.csv`. Give `of` or `between`; each names a group of particles or a zone
+/// by its `name`. A zone stands for the particles that it found at the start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gauge {
+    /// Its name, with which its columns begin: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Adds the force on these particles, N, and their mean displacement, m: NAME_force_x to _z, NAME_displacement_x to
+    /// _z. Of particles that are held or driven, it is the force of all others on them, and the support exerts the
+    /// opposite.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
+    /// Adds how much farther these two are apart than at the start, m, along the line that joined their means then, and
+    /// that over their first distance: NAME_elongation, NAME_strain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between: Option<[String; 2]>,
+}
+
+/// A curve that is drawn at the end of the run: `curve-NAME.svg` in its directory. Its axes are columns of `history.csv`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Curve {
+    /// Its name: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Column along the horizontal axis, such as "time" or "grip_displacement_y".
+    pub x: String,
+    /// Column along the vertical axis.
+    pub y: String,
+    /// Multiplies the horizontal column: -1.0 turns it round, 1.0e3 makes mm of m.
+    #[serde(default = "one")]
+    pub x_factor: f64,
+    /// Multiplies the vertical column.
+    #[serde(default = "one")]
+    pub y_factor: f64,
+    /// Title of the horizontal axis, unit included; the column and its unit if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x_title: Option<String>,
+    /// Title of the vertical axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub y_title: Option<String>,
+}
+
+const fn one() -> f64 {
+    1.0
+}

@@ -1,0 +1,245 @@
+//! A curve of two columns of the history, as a picture in the folder of the run.
+
+use crate::error::{Action, Context, Error};
+use crate::files::atomically;
+use crate::glossary::unit_of_column;
+use crate::run_directory::HISTORY;
+use plotters::prelude::*;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// What a curve shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Part of the name of its file.
+    pub name: String,
+    /// Along the horizontal axis.
+    pub x: Axis,
+    /// Along the vertical axis.
+    pub y: Axis,
+}
+
+/// What an axis shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// A column of `history.csv`.
+    pub column: String,
+    /// Multiplies its values.
+    pub factor: f64,
+    /// What stands at the axis; if `None`, the column and its unit, with a prefix such as micro if that is easier to read.
+    pub title: Option<String>,
+}
+
+/// First part of the names of files with curves; the ending is `svg`.
+pub(crate) const PREFIX: &str = "curve-";
+pub(crate) const ENDING: &str = "svg";
+
+const SIZE: (u32, u32) = (960, 640);
+const FONT: &str = "sans-serif";
+/// A curve of more points is thinned out; what is left are the extremes.
+const MOST_POINTS: usize = 6000;
+
+/// Draws a curve of the history that a run has written, and returns its file.
+///
+/// # Errors
+/// [`Error::NoColumn`] if the history does not have it, [`Error::Drawing`] if nothing in it can be drawn, and whatever the
+/// file system says.
+pub fn draw(run: &Path, curve: &Curve) -> Result<PathBuf, Error> {
+    let history = run.join(HISTORY);
+    let text = fs::read_to_string(&history).context(Action::Read, &history)?;
+    let column = |axis: &Axis| {
+        let no_column = || Error::NoColumn { column: axis.column.clone(), path: history.clone() };
+        column(&text, &axis.column).ok_or_else(no_column)
+    };
+    let path = run.join(format!("{PREFIX}{}.{ENDING}", curve.name));
+    let (x, x_title) = scaled(&curve.x, column(&curve.x)?);
+    let (y, y_title) = scaled(&curve.y, column(&curve.y)?);
+    let points = x.into_iter().zip(y).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    let drawn = svg(&thinned(points), [&x_title, &y_title]).map_err(|why| Error::Drawing {
+        curve: curve.name.clone(),
+        why,
+        path: path.clone(),
+    })?;
+    atomically(&path, |unfinished| fs::write(unfinished, &drawn).context(Action::Write, &path))?;
+    Ok(path)
+}
+
+/// The numbers of a column; rows that are cut off have none.
+fn column(history: &str, name: &str) -> Option<Vec<f64>> {
+    let mut lines = history.lines();
+    let place = lines.next()?.split(',').position(|column| column == name)?;
+    Some(lines.map(|line| line.split(',').nth(place).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN)).collect())
+}
+
+/// Values of an axis and its title.
+fn scaled(axis: &Axis, column: Vec<f64>) -> (Vec<f64>, String) {
+    let values: Vec<f64> = column.into_iter().map(|value| value * axis.factor).collect();
+    if let Some(title) = &axis.title {
+        return (values, title.clone());
+    }
+    let name = if axis.factor == 1.0 {
+        axis.column.clone()
+    } else if axis.factor == -1.0 {
+        format!("-{}", axis.column)
+    } else {
+        format!("{} x {}", axis.factor, axis.column)
+    };
+    match unit_of_column(&axis.column) {
+        Some(unit) if unit != "1" => {
+            let largest = values.iter().filter(|value| value.is_finite()).fold(0.0, |most: f64, v| most.max(v.abs()));
+            let (prefix, size) = prefix(largest);
+            (values.into_iter().map(|value| value / size).collect(), format!("{name}  ({prefix}{unit})"))
+        }
+        _ => (values, name),
+    }
+}
+
+/// The prefix of a unit that leaves the fewest zeros, and its size.
+fn prefix(largest: f64) -> (&'static str, f64) {
+    let prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("\u{b5}", 1e-6), ("n", 1e-9)];
+    prefixes.into_iter().find(|(_, size)| largest >= *size).unwrap_or(("", 1.0))
+}
+
+/// The same curve with fewer points: of each stretch the first point, the lowest and the highest.
+fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    if points.len() <= MOST_POINTS {
+        return points;
+    }
+    let stretch = points.len().div_ceil(MOST_POINTS / 3);
+    let of_stretch = |stretch: &[(f64, f64)]| {
+        let by_height = |a: &&usize, b: &&usize| stretch[**a].1.total_cmp(&stretch[**b].1);
+        let places: Vec<usize> = (0..stretch.len()).collect();
+        let extremes = [places.iter().min_by(by_height), places.iter().max_by(by_height)];
+        let mut kept: Vec<usize> = extremes.into_iter().flatten().copied().chain([0]).collect();
+        kept.sort_unstable();
+        kept.dedup();
+        kept.into_iter().map(|place| stretch[place]).collect::<Vec<_>>()
+    };
+    let last = points.last().copied();
+    points.chunks(stretch).flat_map(of_stretch).chain(last).collect()
+}
+
+/// From the lowest to the highest value and a little more.
+fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    let width = high - low;
+    let margin = if width > 0.0 { 0.04 * width } else { 0.5 * high.abs().max(1.0) };
+    low - margin..high + margin
+}
+
+/// A number at a grid line: as many digits as tell it from the next.
+fn label(value: &f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(*value);
+    match rounded.abs() {
+        0.0 => "0".to_owned(),
+        1e-3..1e6 => format!("{rounded}"),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// The picture, or why there is none.
+fn svg(points: &[(f64, f64)], [x_title, y_title]: [&str; 2]) -> Result<String, String> {
+    if points.is_empty() {
+        return Err("no row of the history has a number for both axes".to_owned());
+    }
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        let (x, y) = (extent(points.iter().map(|point| point.0)), extent(points.iter().map(|point| point.1)));
+        paint(&area, points, [x, y], [x_title, y_title]).map_err(|error| error.to_string())?;
+    }
+    Ok(text)
+}
+
+type Painted<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+
+/// Grid, axes with titles, and the line.
+fn paint<B: DrawingBackend>(
+    area: &DrawingArea<B, plotters::coord::Shift>,
+    points: &[(f64, f64)],
+    [x, y]: [Range<f64>; 2],
+    [x_title, y_title]: [&str; 2],
+) -> Painted<B> {
+    const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
+    const LINE: RGBColor = RGBColor(0x1f, 0x4e, 0x8c);
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(area)
+        .margin(18)
+        .margin_right(36)
+        .x_label_area_size(60)
+        .y_label_area_size(96)
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(GRID)
+        .axis_style(BLACK)
+        .x_labels(9)
+        .y_labels(9)
+        .x_label_formatter(&label)
+        .y_label_formatter(&label)
+        .label_style((FONT, 17))
+        .axis_desc_style((FONT, 19))
+        .x_desc(x_title)
+        .y_desc(y_title)
+        .draw()?;
+    chart.draw_series(LineSeries::new(points.iter().copied(), LINE.stroke_width(2)))?;
+    area.present()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(column: &str, factor: f64, title: Option<&str>) -> Axis {
+        Axis { column: column.into(), factor, title: title.map(Into::into) }
+    }
+
+    #[test]
+    fn a_curve_has_its_axes_titles_and_points() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows: String = (0..50).map(|k| format!("{k},{}e-6,{}\n", k, -3 * k * (60 - k))).collect();
+        fs::write(folder.path().join(HISTORY), format!("step,grip_displacement_y,grip_force_y\n{rows}")).unwrap();
+        let curve = Curve {
+            name: "pull".into(),
+            x: axis("grip_displacement_y", 1.0, None),
+            y: axis("grip_force_y", -1.0, None),
+        };
+        let path = draw(folder.path(), &curve).unwrap();
+        assert_eq!(path.file_name().unwrap(), "curve-pull.svg");
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+        assert!(text.contains("grip_displacement_y  (\u{b5}m)") && text.contains("-grip_force_y  (kN)"), "{text}");
+        let line = text.split("<polyline").last().unwrap().split("points=\"").nth(1).unwrap();
+        assert_eq!(line.split('"').next().unwrap().split_whitespace().count(), 50);
+        let titled = Curve { y: axis("grip_force_y", -1e-3, Some("Force, kN")), ..curve.clone() };
+        assert!(fs::read_to_string(draw(folder.path(), &titled).unwrap()).unwrap().contains("Force, kN"));
+        let missing = Curve { x: axis("time", 1.0, None), ..curve };
+        assert!(matches!(draw(folder.path(), &missing), Err(Error::NoColumn { .. })));
+    }
+
+    #[test]
+    fn what_does_not_change_and_what_is_not_there() {
+        let level = svg(&[(0.0, 2.0), (1.0, 2.0)], ["a", "b"]).unwrap();
+        assert!(level.contains("polyline"));
+        assert!(svg(&[], ["a", "b"]).is_err());
+    }
+
+    #[test]
+    fn a_long_curve_keeps_its_extremes() {
+        let points: Vec<(f64, f64)> =
+            (0..100_000).map(|k| (f64::from(k), if k == 77_777 { 9.0 } else { f64::from(k % 7) })).collect();
+        let kept = thinned(points.clone());
+        assert!(kept.len() <= MOST_POINTS + 1 && kept.contains(&(77_777.0, 9.0)));
+        assert_eq!((kept[0], kept.last()), (points[0], points.last()));
+        assert!(kept.is_sorted_by(|a, b| a.0 <= b.0));
+    }
+
+    #[test]
+    fn labels_are_short() {
+        let shown = [0.0, 0.30000000000000004, -1250.0, 2.5e-7, 3e9].map(|value| label(&value));
+        assert_eq!(shown, ["0", "0.3", "-1250", "2.5e-7", "3e9"]);
+        assert_eq!([3e4, 0.5, 2e-5, 0.0].map(|largest| prefix(largest).0), ["k", "m", "\u{b5}", ""]);
+    }
+}
