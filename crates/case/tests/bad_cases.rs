@@ -111,6 +111,11 @@ fn messages_as_a_user_reads_them() {
         "contradictory-motion",
         "force-on-prescribed",
         "curve-of-no-column",
+        "group-empty",
+        "cut-idle",
+        "bond-simple-cubic",
+        "bond-out-of-reach",
+        "bond-poisson",
     ] {
         insta::assert_snapshot!(file, shown(&format!("{file}.toml")));
     }

@@ -3,8 +3,9 @@
 use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
 use tdem_case::{Built, Problems, parse};
-use tdem_engine::physics::bond::{Damping, Form, Tension, face_centred};
+use tdem_engine::physics::bond::{Damping, Failure, Form, Tension, face_centred};
 use tdem_engine::physics::contact::Law;
+use tdem_engine::{BondHistory, Breakage, State};
 
 const RADIUS: f64 = 0.005;
 
@@ -327,7 +328,8 @@ fn cut(keys: &str) -> Vec<[f64; 3]> {
     let built = loaded.build().unwrap_or_else(|p| panic!("{p}"));
     assert!(built.warnings.problems.is_empty(), "{}", built.warnings);
     let again = parse("written", &loaded.effective_toml(), Path::new(""), &[]).unwrap_or_else(|p| panic!("{p}"));
-    assert_eq!(again.build().unwrap().state.hash(), built.state.hash());
+    let again = again.build().unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!(again.state.hash(), built.state.hash());
     built.state.position
 }
 
@@ -367,7 +369,7 @@ fn bodies_are_cut_out_of_a_lattice() {
             format!(
                 "within = {{ revolution = {{ axis = 'z', {through}, profile = [[-0.03, 0.0], [0.0, 0.03], [0.02, 0.03]] }} }}"
             ),
-            sites(|p| (-6.0..=4.0).contains(&p[2]) && across(p) < f64::min(6.0, p[2] + 6.0).powi(2)),
+            sites(|p| (-6.0..=4.0).contains(&p[2]) && across(p).sqrt() < f64::min(6.0, p[2] + 6.0)),
         ),
     ];
     for (keys, expected) in cases {
@@ -420,4 +422,147 @@ fn blocks_of_one_crystal_are_bonded_where_they_meet() {
     let missing =
         build(&format!("{}{second}", &joints[..joints.find("[[bond]]\nbetween = [\"concrete\"").unwrap()]), &[]);
     assert_eq!(missing.warnings.problems[0].code, "tdem::case::bond-missing");
+}
+
+/// Particles of another run in this case, beside a lattice of its own that touches none of them.
+fn from_run(state: &State, run: &str, more: &str) -> Result<Built, Problems> {
+    let text = BLOCK.replace(
+        "[[particles]]\n",
+        &format!("{more}[[particles]]\nname = 'taken'\nmaterial = 'concrete'\nrun = {{ directory = 'other', {run} }}\n\n[[particles]]\n"),
+    );
+    let text = text.replace("origin = [0.0, 0.0, 0.0]", "origin = [0.0, 0.0, -0.09]");
+    let loader = |_: &Path| -> Result<State, String> { Ok(state.clone()) };
+    parse("test", &text, Path::new(""), &[]).and_then(|loaded| loaded.build_with(&loader))
+}
+
+/// A block that another run has bent a little, with a bond that broke in it.
+fn strained() -> Built {
+    let mut built = build("", &[("particles.0.lattice.cells", "[2, 2, 2]")]);
+    let state = &mut built.state;
+    for (k, [x, y, z]) in state.position.iter_mut().enumerate() {
+        (*x, *y) = (*x * (1.0 + 1e-3), *y + 2e-3 * *z);
+        state.orientation[k] = [0.0, 1e-3, 0.0, (1.0_f64 - 1e-6).sqrt()];
+    }
+    state.step = 7;
+    state.bonds[3].breakage = Some(Breakage { step: 5, failure: Failure::Tension, energy: 1e-6 });
+    built
+}
+
+#[test]
+fn bonds_of_another_run_go_on_as_they_are() {
+    let before = strained();
+    let mut taken = before.state.clone();
+    // The ids of that run are taken here by a group that comes first.
+    taken.id.iter_mut().for_each(|id| *id += 3);
+    taken.bonds.iter_mut().for_each(|bond| (bond.first, bond.second) = (bond.first + 3, bond.second + 3));
+    let first = "[[particles]]\nmaterial = 'concrete'\nlist = { radius = 0.005, positions = [[0.05, 0.1, 0.1], [0.05, 0.15, 0.1], \
+                 [0.05, 0.1, 0.15], [0.05, 0.15, 0.15], [0.05, 0.19, 0.19]] }\n";
+    let built =
+        from_run(&taken, "bonds = 'carry', offset = [0.01, 0.02, 0.0]", first).unwrap_or_else(|p| panic!("{p}"));
+    assert!(built.state.validate(&built.plan).is_ok());
+    let count = before.state.len();
+    let own = lattice_bonds([3, 4, 5]);
+    assert_eq!(built.state.bonds.len(), before.state.bonds.len() - 1 + own);
+    for k in 0..count {
+        // Five ids are taken before; orders are kept.
+        let index = built.state.index_of(5 + k as u32).unwrap();
+        assert_eq!(built.state.orientation[index], before.state.orientation[k]);
+        for (d, shift) in [0.01, 0.02, 0.0].into_iter().enumerate() {
+            assert_eq!(built.state.position[index][d], before.state.position[k][d] + shift);
+            assert_eq!(built.state.bonded_position[index][d], before.state.bonded_position[k][d] + shift);
+        }
+    }
+    let mut compared = 0;
+    for (k, bond) in before.state.bonds.iter().enumerate() {
+        let same = [bond.first + 5, bond.second + 5];
+        let found = built.state.bonds.iter().position(|other| [other.first, other.second] == same);
+        assert_eq!(found.is_some(), bond.holds());
+        let Some(found) = found else { continue };
+        let [was, is] = [(&before, k), (&built, found)].map(|(built, index)| {
+            let reaction = built.state.evaluate_bond(&built.plan, index).unwrap().reaction;
+            [reaction.force.x, reaction.force.y, reaction.force.z, reaction.stress.tensile, reaction.stress.shear]
+        });
+        let scale = was.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        assert!(scale > 0.0 && was.iter().zip(is).all(|(was, is)| (was - is).abs() < 1e-9 * scale), "{was:?} {is:?}");
+        compared += 1;
+    }
+    assert_eq!(compared, before.state.bonds.len() - 1);
+}
+
+#[test]
+fn a_run_in_pieces_takes_only_whole_bonds_along() {
+    let mut taken = strained().state;
+    taken.bonds.truncate(10);
+    let within = "within = { box = { max = [0.2, 0.2, 0.01] } }\nrun = { directory";
+    let text = BLOCK.replace(
+        "[particles.lattice]\nkind = \"fcc\"\nradius = 0.005\ncells = [3, 4, 5]\norigin = [0.0, 0.0, 0.0]",
+        &format!("{within} = 'other', bonds = 'carry' }}"),
+    );
+    let loader = |_: &Path| -> Result<State, String> { Ok(taken.clone()) };
+    let built = parse("test", &text, Path::new(""), &[]).and_then(|loaded| loaded.build_with(&loader));
+    let built = built.unwrap_or_else(|p| panic!("{p}"));
+    assert!(built.state.validate(&built.plan).is_ok());
+    let kept = |id: u32| taken.position[id as usize][2] <= 0.01;
+    let whole = taken.bonds.iter().filter(|bond| bond.holds() && kept(bond.first) && kept(bond.second)).count();
+    assert!(built.state.len() < taken.len() && built.state.bonds.len() == whole && whole > 2);
+}
+
+#[test]
+fn a_packing_of_another_run_is_bonded_as_it_lies() {
+    let before = strained();
+    let bonded = |gap: &str| {
+        let set = [
+            ("bond.0.gap_length".to_owned(), gap.to_owned()),
+            ("bond.0.tensile_strength".to_owned(), "1e6".to_owned()),
+            ("bond.0.shear_strength".to_owned(), "1e6".to_owned()),
+            ("bond.0.micro".to_owned(), "{ young_modulus = 30e9, stiffness_ratio = 0.3 }".to_owned()),
+        ];
+        let text = BLOCK.replace(
+            "lattice = { young_modulus = 30.0e9, poisson_ratio = 0.2, tensile_strength = 2.9e6, shear_factor = 3.0 }",
+            "",
+        );
+        let text = text.replace(
+            "[particles.lattice]\nkind = \"fcc\"\nradius = 0.005\ncells = [3, 4, 5]\norigin = [0.0, 0.0, 0.0]",
+            "run = { directory = 'other' }",
+        );
+        let state = before.state.clone();
+        let loader = move |_: &Path| -> Result<State, String> { Ok(state.clone()) };
+        let built = parse("test", &text, Path::new(""), &set).and_then(|loaded| loaded.build_with(&loader));
+        built.unwrap_or_else(|p| panic!("{p}")).state
+    };
+    let near = |reach: f64| {
+        let place = &before.state.position;
+        let pairs = (0..place.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        pairs
+            .filter(|&(i, j)| (0..3).map(|d| place[i][d] - place[j][d]).map(|c| c * c).sum::<f64>().sqrt() <= reach)
+            .count()
+    };
+    for gap in [0.0, 8e-6, 2e-5, 5e-3] {
+        let state = bonded(&format!("{gap:?}"));
+        assert_eq!(state.bonds.len(), near(2.0 * RADIUS + gap), "{gap}");
+        assert_eq!(state.bonded_position, before.state.position);
+        assert!(state.orientation.iter().all(|q| *q == [0.0, 0.0, 0.0, 1.0]));
+    }
+    assert!(near(2.0 * RADIUS) < near(2.0 * RADIUS + 8e-6));
+}
+
+#[test]
+fn bonds_that_cannot_go_on_are_told() {
+    let before = strained().state;
+    let code = |result: Result<Built, Problems>| result.map_or_else(|p| p.problems[0].code, |_| "built");
+    let carry = "bonds = 'carry', offset = [0.01, 0.02, 0.0]";
+    assert_eq!(code(from_run(&before, carry, "")), "built");
+    assert_eq!(code(from_run(&before, carry, "[bonds]\nform = 'incremental'\n")), "tdem::case::run-bonds");
+    let mut without = before.clone();
+    without.make_bonds(Vec::new());
+    assert_eq!(code(from_run(&without, carry, "")), "tdem::case::run-bonds");
+    let mut histories = before;
+    histories.bond_histories =
+        histories.bonds.iter().map(|_| BondHistory { tension: 3.0, ..BondHistory::default() }).collect();
+    let built = from_run(&histories, carry, "[bonds]\nform = 'incremental-stored'\n").unwrap_or_else(|p| panic!("{p}"));
+    assert!(built.state.validate(&built.plan).is_ok());
+    let loaded = built.state.bond_histories.iter().filter(|history| history.tension == 3.0).count();
+    assert_eq!(loaded, histories.bonds.len() - 1);
+    let unit = |n: [f64; 3]| (n.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-12;
+    assert!(built.state.bond_histories.iter().all(|history| history.tension == 3.0 || unit(history.normal)));
 }

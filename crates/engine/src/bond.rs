@@ -3,7 +3,7 @@
 use crate::{Fault, Plan, State};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
-use tdem_physics::bond::{self, Failure, Form, History, Joint, Law};
+use tdem_physics::bond::{self, Coefficients, Failure, Form, History, Joint, Law};
 
 /// Two particles that are, or were, bonded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,6 +108,28 @@ impl BondPlan {
     }
 }
 
+/// The numbers of all bonds, if a table of [`State::alike_bonds`] has only one kind of them.
+pub(crate) fn only_bond(table: &[bond::Bond<f64>]) -> Option<bond::Bond<f64>> {
+    let mut present = table.iter().filter(|numbers| **numbers != NO_BOND);
+    let first = present.next()?;
+    present.all(|numbers| numbers == first).then_some(*first)
+}
+
+/// Where no bonds are.
+const NO_BOND: bond::Bond<f64> = {
+    const NONE: Coefficients<f64> = Coefficients { normal: 0.0, shear: 0.0, torsion: 0.0, bending: 0.0 };
+    bond::Bond {
+        stiffness: NONE,
+        damping: NONE,
+        stress_per_force: 0.0,
+        stress_per_torsion: 0.0,
+        stress_per_bending: 0.0,
+        tensile_strength: 0.0,
+        shear_strength: 0.0,
+        internal_friction: 0.0,
+    }
+};
+
 impl Plan {
     /// What bonds between two materials are made of; `None` where there are none.
     #[must_use]
@@ -129,6 +151,19 @@ impl State {
         self.bonds = bonds;
     }
 
+    /// What incremental bonds remember to begin with: as the state has it, or nothing but where they lie.
+    pub(crate) fn histories_to_begin_with(&self, plan: &Plan) -> Vec<BondHistory> {
+        if !self.bond_histories.is_empty() {
+            return self.bond_histories.clone();
+        }
+        let unloaded = |bond: &Bond| {
+            let [first, second] = [bond.first, bond.second].map(|id| self.index_of(id).unwrap_or(0));
+            let offset = self.bonded_offset(plan, first, second);
+            BondHistory::of(&History::unloaded(offset * (1.0 / offset.dot(offset).sqrt())))
+        };
+        self.bonds.iter().map(unloaded).collect()
+    }
+
     /// From the first particle of a bond to the second when they were bonded, m: the nearest image. The arguments are
     /// indices of particles.
     pub(crate) fn bonded_offset(&self, plan: &Plan, first: usize, second: usize) -> Vec3<f64> {
@@ -136,16 +171,31 @@ impl State {
         plan.domain.period().nearest(position(second) - position(first))
     }
 
-    /// The numbers that all bonds share, if they do, but for the factors on their strengths.
-    pub(crate) fn alike_bonds(&self, plan: &Plan) -> Option<bond::Bond<f64>> {
-        let numbers = |bond: &Bond| {
+    /// The numbers of the bonds of each pair of materials but for the factors on their strengths, `(materials, materials)`,
+    /// symmetric, row by row, if nothing else decides about them; zeros where nothing is bonded.
+    pub(crate) fn alike_bonds(&self, plan: &Plan) -> Option<Vec<bond::Bond<f64>>> {
+        let law = plan.bonds.as_ref()?.law;
+        let pair = |bond: &Bond| {
             let [i, j] = [bond.first, bond.second].map(|id| self.index_of(id).unwrap_or(0));
+            let [a, b] = [i, j].map(|k| usize::from(self.material[k]));
+            (i, j, [a * plan.materials + b, b * plan.materials + a])
+        };
+        let numbers = |i: usize, j: usize| {
             let offset = self.bonded_offset(plan, i, j);
             let joint = plan.joint(self.material[i], self.material[j])?;
-            Some(joint.bond(self.radius[i], self.radius[j], offset.dot(offset).sqrt(), 1.0))
+            Some(joint.bond_of_spheres(law.damping, &self.sphere(i), &self.sphere(j), offset.dot(offset).sqrt(), 1.0))
         };
-        let first = numbers(self.bonds.first()?)?;
-        self.bonds.par_iter().all(|bond| numbers(bond) == Some(first)).then_some(first)
+        let mut table = vec![None; plan.materials * plan.materials];
+        for (i, j, places) in self.bonds.iter().map(pair) {
+            if table[places[0]].is_none() {
+                let found = numbers(i, j);
+                for place in places {
+                    table[place] = found;
+                }
+            }
+        }
+        let alike = self.bonds.par_iter().map(pair).all(|(i, j, [place, _])| numbers(i, j) == table[place]);
+        alike.then(|| table.into_iter().map(|numbers| numbers.unwrap_or(NO_BOND)).collect())
     }
 
     /// Checks that bonds belong to the particles and to the plan.

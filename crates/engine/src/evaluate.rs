@@ -72,7 +72,7 @@ impl State {
         let bonded_offset = self.bonded_offset(plan, i, j);
         let bonded_length = bonded_offset.dot(bonded_offset).sqrt();
         let joint = plan.joint(self.material[i], self.material[j])?;
-        let numbers = joint.bond(first.radius, second.radius, bonded_length, pair.strength);
+        let numbers = joint.bond_of_spheres(law.damping, &first, &second, bonded_length, pair.strength);
         let reaction = match law.form {
             Form::Total => {
                 let [first_orientation, second_orientation] = [i, j].map(|k| quaternion(self.orientation[k]));
@@ -125,7 +125,12 @@ impl State {
         touch_spheres(plan.domain.period().nearest(position(j) - position(i)), self.radius[i] + self.radius[j])
     }
 
-    fn sphere(&self, index: usize) -> Sphere<f64> {
+    /// The particle of an index, as laws see it.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[must_use]
+    pub fn sphere(&self, index: usize) -> Sphere<f64> {
         Sphere {
             position: self.position[index].into(),
             radius: self.radius[index],

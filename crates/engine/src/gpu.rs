@@ -28,7 +28,7 @@ pub use runtime::Error;
 const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");
 
 use crate::step::Backend;
-use crate::{BondPlan, Capture, Fault, Plan, Profile, State};
+use crate::{Capture, Fault, Plan, Profile, State};
 use run::Gpu;
 use runtime::Runtime;
 
@@ -49,10 +49,6 @@ pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize
 
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
-    if plan.bonds.as_ref().is_some_and(BondPlan::remembers) {
-        let why = "bonds in incremental form are computed on the CPU only; bonds.form = \"total\" runs on devices, too";
-        return Err(Error::Missing { why: why.to_owned() }.into());
-    }
     Ok(match api {
         Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),
         Api::Cuda => Box::new(Gpu::new(devices::open_cuda(index)?, state, plan)?),

@@ -45,6 +45,7 @@ pub struct Ledger {
     /// Largest overlap of a pair, as a fraction of its mean radius.
     pub largest_overlap: f64,
     /// Mean size of the resultant force on a particle over mean size of a force of contacts and bonds; 0 without any.
+    /// Components that are prescribed do not count: something holds them.
     pub unbalanced_force_ratio: f64,
     /// Force of the particles on each wall would need a table of its own; this is the sum over all walls, N.
     pub wall_force: [f64; 3],
@@ -85,11 +86,14 @@ impl Ledger {
                     (state.velocity[i].into(), state.angular_velocity[i].into());
                 let (mass, force): (f64, Vec3<f64>) = (state.mass[i], state.force[i].into());
                 let unfolded = state.true_position(i, length);
+                let prescribed = &plan.constraints[usize::from(state.constraint[i])].velocity;
+                let [x, y, z] = prescribed.map(|rate| f64::from(u8::from(rate.is_none())));
+                let unbalanced = Vec3 { x: force.x * x, y: force.y * y, z: force.z * z };
                 let terms = [
                     0.5 * mass * velocity.dot(velocity),
                     0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
                     -(mass * gravity.dot(unfolded.into())),
-                    force.dot(force).sqrt(),
+                    unbalanced.dot(unbalanced).sqrt(),
                 ];
                 (terms, velocity.dot(velocity).sqrt())
             });

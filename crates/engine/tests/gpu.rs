@@ -8,11 +8,13 @@ use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, fr
 use common::{DENSITY, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
-use tdem_engine::physics::bond::{self, Cement, Joint};
+use tdem_engine::physics::bond::{self, Cement, Form, Joint, Tension};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
-use tdem_engine::{Constraint, Device, Driven, Fault, Integrator, Plan, Ramp, Simulation, State};
+use tdem_engine::{BondPlan, Constraint, Device, Driven, Fault, Integrator, Plan, Ramp, Simulation, State};
 
 const STEPS: u64 = 600;
+/// Bonds that store all they hold.
+const STORED: bond::Law = bond::Law { form: Form::Incremental(Tension::Stored), ..ELASTIC };
 
 fn gpu() -> Device {
     let api = match std::env::var("TDEM_TEST_DEVICE").as_deref() {
@@ -42,6 +44,7 @@ fn assert_same(found: &State, expected: &State, what: &str) {
         }
     }
     differ(what, "bonds", &found.bonds, &expected.bonds);
+    differ(what, "bond histories", &found.bond_histories, &expected.bond_histories);
     differ(what, "position", &found.position, &expected.position);
     differ(what, "velocity", &found.velocity, &expected.velocity);
     differ(what, "angular velocity", &found.angular_velocity, &expected.angular_velocity);
@@ -105,11 +108,16 @@ fn broken(state: &State) -> usize {
 #[test]
 fn same_bits_while_bonds_break() {
     let dashpots = bond::Law { damping: bond::Damping::Viscous, ..ELASTIC };
+    let incremental = bond::Law { form: Form::Incremental(Tension::FromLength), ..dashpots };
     for (law, integrator, ledger, beside, local_damping) in [
         (ELASTIC, Integrator::VelocityVerlet, false, false, 0.0),
         (dashpots, Integrator::VelocityVerlet, false, true, 0.3),
         (dashpots, Integrator::VelocityVerlet, true, false, 0.2),
         (dashpots, Integrator::Gear, true, false, 0.0),
+        (STORED, Integrator::VelocityVerlet, false, false, 0.0),
+        (incremental, Integrator::VelocityVerlet, false, true, 0.3),
+        (incremental, Integrator::VelocityVerlet, true, false, 0.2),
+        (bond::Law { damping: bond::Damping::Viscous, ..STORED }, Integrator::Gear, true, false, 0.0),
     ] {
         let (state, mut plan) = cracking_block(law, integrator);
         plan.ledger = ledger;
@@ -118,6 +126,24 @@ fn same_bits_while_bonds_break() {
             bonds.local_damping = local_damping;
         }
         let end = both(&state, &plan, 500, &format!("{law:?} {integrator:?} ledger {ledger} beside {beside}"));
+        assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+    }
+}
+
+/// The paper's way: each bond is evaluated once, neighbours are listed in every step.
+#[test]
+fn same_bits_while_bonds_break_and_every_step_searches() {
+    let dashpots = bond::Law { damping: bond::Damping::Viscous, ..ELASTIC };
+    for (law, integrator, ledger) in [
+        (STORED, Integrator::Gear, false),
+        (dashpots, Integrator::Gear, true),
+        (ELASTIC, Integrator::VelocityVerlet, false),
+    ] {
+        let (state, mut plan) = cracking_block(law, integrator);
+        plan.ledger = ledger;
+        plan.search.every_step = true;
+        plan.search.skin = 0.0;
+        let end = both(&state, &plan, 300, &format!("{law:?} {integrator:?} ledger {ledger}, every step"));
         assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
     }
 }
@@ -138,19 +164,38 @@ fn same_bits_with_bonds_that_are_alike() {
     }
     let end = both(&state, &plan, 400, "alike");
     assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+    // The same of each pair of two materials, of different mass.
+    let stiffer = Joint { cement, stiffness_per_area: 3.0 * JOINT.stiffness_per_area, ..JOINT };
+    plan.materials = 2;
+    plan.interactions = vec![plan.interactions[0]; 4];
+    for form in [Form::Total, Form::Incremental(Tension::Stored)] {
+        let law = bond::Law { form, damping: bond::Damping::Viscous };
+        let damped = |joint: Joint<f64>| Joint { cement: Cement { damping_ratio: 0.05, ..cement }, ..joint };
+        let (soft, hard) = (Some(damped(JOINT)), Some(damped(stiffer)));
+        plan.bonds = Some(BondPlan { law, joints: vec![soft, soft, soft, hard], ..plan.bonds.clone().expect("bonds") });
+        let mut mixed = state.clone();
+        for i in (0..state.len()).filter(|i| i % 3 == 0) {
+            mixed.material[i] = 1;
+            mixed.mass[i] *= 2.0;
+        }
+        let end = both(&mixed, &plan, 400, "alike for each pair of materials");
+        assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+    }
 }
 
 #[test]
 fn a_bonded_run_moves_between_devices_while_bonds_break() {
-    let (state, plan) = cracking_block(ELASTIC, Integrator::VelocityVerlet);
-    let whole = run(&state, &plan, cpu(), 400).expect("it runs through");
-    let first = whole.bonds.iter().filter_map(|bond| bond.breakage).map(|b| b.step).min().expect("bonds break");
-    let mut moved = state;
-    for (device, until) in [(cpu(), first - 1), (gpu(), first + 15), (cpu(), first + 30), (gpu(), 400)] {
-        let steps = until - moved.step;
-        moved = run(&moved, &plan, device, steps).expect("it goes on");
+    for law in [ELASTIC, STORED] {
+        let (state, plan) = cracking_block(law, Integrator::VelocityVerlet);
+        let whole = run(&state, &plan, cpu(), 400).expect("it runs through");
+        let first = whole.bonds.iter().filter_map(|bond| bond.breakage).map(|b| b.step).min().expect("bonds break");
+        let mut moved = state;
+        for (device, until) in [(cpu(), first - 1), (gpu(), first + 15), (cpu(), first + 30), (gpu(), 400)] {
+            let steps = until - moved.step;
+            moved = run(&moved, &plan, device, steps).expect("it goes on");
+        }
+        assert_same(&moved, &whole, &format!("moved, {law:?}"));
     }
-    assert_same(&moved, &whole, "moved");
 }
 
 #[test]

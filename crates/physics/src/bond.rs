@@ -108,7 +108,7 @@ pub struct Reaction<R> {
 ///
 /// | argument | symbol | unit |
 /// |---|---|---|
-/// | `damping` | whether there are dashpots; only they look at velocities and masses | |
+/// | `damping` | whether there are dashpots; only they look at velocities | |
 /// | `ends` | $R, \mathbf v, m, \boldsymbol\omega$ of both bodies, and where the second lies | m, m/s, kg, rad/s |
 /// | `posture` | how the bodies lay when they were bonded, and how they have turned since | m |
 /// | `bond` | the bond's parameters | |
@@ -120,8 +120,12 @@ pub struct Reaction<R> {
 /// Potyondy & Cundall, Int. J. Rock Mech. Min. Sci. 41 (2004) 1329, in another form; see [`total`].
 #[inline(always)]
 pub fn respond_total<R: Real>(damping: Damping, ends: &Ends<R>, posture: &Posture<R>, bond: &Bond<R>) -> Reaction<R> {
-    let axis = Axis::of(ends);
-    let load = total::deformation(&axis, posture).times(&bond.stiffness);
+    let (length, bonded_length) = (ends.length(), posture.bonded_length());
+    // One division finds both inverses.
+    let inverse = R::lit(1.0) / (length * bonded_length);
+    let axis = Axis::along(ends, length, inverse * bonded_length);
+    let deformation = total::deformation(&axis, posture, [bonded_length, inverse * length]);
+    let load = deformation.times(&bond.stiffness);
     react(damping, ends, &axis, load, bond)
 }
 
@@ -160,18 +164,17 @@ fn react<R: Real>(damping: Damping, ends: &Ends<R>, axis: &Axis<R>, load: Modes<
     let load = load.named_load();
     let exerted = match damping {
         Damping::Off => load,
-        Damping::Viscous => load.plus(&damping::load(ends, &axis.motion(ends), bond)),
+        Damping::Viscous => load.plus(&damping::load(&axis.motion(ends), bond)),
     };
     let turning = axis.normal.cross(exerted.shear).named(["turning_x", "turning_y", "turning_z"]);
     let couple = axis.couple(&exerted).named(["couple_x", "couple_y", "couple_z"]);
-    let stress = strength::stress(&load, bond);
     Reaction {
         force: axis.normal * exerted.normal + exerted.shear,
         first_moment: turning * axis.first_arm + couple,
         second_moment: turning * axis.second_arm - couple,
         load,
-        stress,
-        failure: strength::failure(&stress, bond),
+        stress: strength::stress(&load, bond),
+        failure: strength::failure(&load, bond),
     }
 }
 

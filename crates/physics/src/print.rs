@@ -189,7 +189,7 @@ pub fn bond_types() -> String {
 pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
     let bond::Law { form, damping } = law;
     vec![
-        entry(&BondBetween),
+        entry(&BondBetween { damping }),
         entry(&FreeStrain),
         entry(&BondRest),
         match form {

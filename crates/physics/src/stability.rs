@@ -122,7 +122,7 @@ pub fn gear_damped_oscillator_limit(damping_ratio: f64) -> f64 {
 /// let bond = Bond::new(&cement, &Section::between(1.0, 1e-3, 1e-3), 1e13);
 /// let (mass, inertia) = (1e-5, 1.0);
 /// let mut particle = BondedParticle::default();
-/// particle.hold(&bond, vec3(1.0, 0.0, 0.0), 1e-3, [0.5 * mass, 0.5 * inertia]);
+/// particle.hold(&bond, vec3(1.0, 0.0, 0.0), 1e-3);
 /// // A pair that vibrates along its bond: omega^2 = 2 K_n / m.
 /// let omega = particle.greatest_frequency(mass, inertia);
 /// assert!((omega * omega / (2.0 * bond.stiffness.normal / mass) - 1.0).abs() < 1e-12);
@@ -135,11 +135,10 @@ pub struct BondedParticle {
 }
 
 impl BondedParticle {
-    /// Adds a bond that leaves in the direction of `normal`, with the particle's lever arm (m) and the effective mass
-    /// (kg) and inertia (kg m²) of the pair.
-    pub fn hold(&mut self, bond: &Bond<f64>, normal: Vec3<f64>, arm: f64, [mass_eff, inertia_eff]: [f64; 2]) {
+    /// Adds a bond that leaves in the direction of `normal`, with the particle's lever arm (m).
+    pub fn hold(&mut self, bond: &Bond<f64>, normal: Vec3<f64>, arm: f64) {
         self.springs.hold(&bond.stiffness, normal, arm);
-        self.dashpots.hold(&bond.damping.scaled(mass_eff.sqrt(), inertia_eff.sqrt()), normal, arm);
+        self.dashpots.hold(&bond.damping, normal, arm);
     }
 
     /// The bound of $\omega_{max}$, rad/s, for a particle of the given mass (kg) and moment of inertia (kg m²). The
@@ -241,7 +240,7 @@ mod tests {
             let s = std::f64::consts::FRAC_1_SQRT_2;
             for [u, v] in [[s, s], [s, -s], [-s, s], [-s, -s]] {
                 for normal in [vec3(u, v, 0.0), vec3(0.0, u, v), vec3(v, 0.0, u)] {
-                    particle.hold(&bond, normal, 1.0, [0.5, 0.2]);
+                    particle.hold(&bond, normal, 1.0);
                 }
             }
             let bound = particle.greatest_frequency(1.0, 0.4);
@@ -278,7 +277,8 @@ mod tests {
     fn the_step_of_a_damped_pair_is_the_largest_that_is_stable() {
         let (mass, stiffness, damping_ratio) = (2.0, 50.0_f64, 0.3);
         let rigid = Coefficients { normal: stiffness, shear: 0.0, torsion: 0.0, bending: 0.0 };
-        let dashpots = Coefficients { normal: 2.0 * damping_ratio * stiffness.sqrt(), ..rigid.scaled(0.0, 0.0) };
+        let coefficient = 2.0 * damping_ratio * (0.5 * mass * stiffness).sqrt();
+        let dashpots = Coefficients { normal: coefficient, ..rigid.scaled(0.0, 0.0) };
         let section = Section::between(1.0, 1.0, 1.0);
         let cement = Cement {
             stiffness_ratio: 0.0,
@@ -291,12 +291,11 @@ mod tests {
         };
         let bond = Bond { stiffness: rigid, damping: dashpots, ..Bond::new(&cement, &section, 1.0) };
         let mut particle = BondedParticle::default();
-        particle.hold(&bond, vec3(1.0, 0.0, 0.0), 1.0, [0.5 * mass, 0.2 * mass]);
+        particle.hold(&bond, vec3(1.0, 0.0, 0.0), 1.0);
         let limit = particle.verlet_step(mass, 0.4 * mass);
         let dies_away = |step: f64| {
             let (mut stretch, mut rate) = (1.0_f64, 0.0_f64);
             for _ in 0..5000 {
-                let coefficient = dashpots.normal * (0.5 * mass).sqrt();
                 rate -= step * (stiffness * stretch + coefficient * rate) / (0.5 * mass);
                 stretch += step * rate;
             }

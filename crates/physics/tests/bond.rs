@@ -26,7 +26,9 @@ const LENGTH: f64 = 2e-3;
 
 fn bond(cement: &Cement<f64>) -> Bond<f64> {
     let section = Section::between(cement.radius_multiplier, RADII[0], RADII[1]);
-    Bond::new(cement, &section, stiffness_per_area(YOUNG_MODULUS, LENGTH))
+    let bond = Bond::new(cement, &section, stiffness_per_area(YOUNG_MODULUS, LENGTH));
+    let [first, second] = RADII.map(sphere);
+    Bond { damping: damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
 }
 
 fn section() -> Section<f64> {
@@ -112,7 +114,9 @@ impl Rng {
             moment_contribution: 1.0 + self.number(),
             damping_ratio: 1.0 + self.number(),
         };
-        Bond::new(&cement, &Section::between(cement.radius_multiplier, 1.0, 1.2), 1.5 + self.number())
+        let bond = Bond::new(&cement, &Section::between(cement.radius_multiplier, 1.0, 1.2), 1.5 + self.number());
+        let (first, second) = (self.sphere(), self.sphere());
+        Bond { damping: damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
     }
 }
 
@@ -600,7 +604,7 @@ fn a_pair_alone_has_the_damping_ratio_of_its_bond() {
     let mut ends = resting(vec3(LENGTH, 0.0, 0.0));
     ends.second.velocity = vec3(0.3, 0.0, 0.0);
     ends.second.angular_velocity = vec3(2.0, 0.0, 0.0);
-    let load = damping::load(&ends, &Axis::of(&ends).motion(&ends), &bond);
+    let load = damping::load(&Axis::of(&ends).motion(&ends), &bond);
     let eff = |a: f64, b: f64| a * b / (a + b);
     let [m1, m2] = [ends.first.mass, ends.second.mass];
     let [i1, i2] = [ends.first, ends.second].map(|s| sphere_inertia(s.mass, s.radius));

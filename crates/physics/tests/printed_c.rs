@@ -163,11 +163,16 @@ fn bonds_in_incremental_form_have_the_bits_of_the_law() {
 
 #[test]
 fn what_bonds_need_has_the_bits_of_the_law() {
-    alone(print::BondBetween, |rng| {
-        let joint =
-            Joint { cement: rng.cement(), stiffness_per_area: rng.size(30, 50), young_modulus: rng.size(20, 40) };
-        (joint, rng.size(-12, -2), rng.size(-12, -2), rng.size(-12, -2), rng.size(-2, 2))
-    });
+    compare(
+        &DAMPINGS.map(|damping| print::BondBetween { damping }),
+        OTHERS,
+        |rng| {
+            let joint =
+                Joint { cement: rng.cement(), stiffness_per_area: rng.size(30, 50), young_modulus: rng.size(20, 40) };
+            (joint, rng.sphere(), rng.sphere(), rng.size(-12, -2), rng.size(-2, 2))
+        },
+        |_, _| {},
+    );
     alone(print::FreeStrain, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.size(-12, -2), rng.number(-16, -6)));
     alone(print::BondRest, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.number(-16, -6)));
     alone(print::ReversedHistory, |rng| (rng.history(),));
@@ -337,7 +342,9 @@ impl Rng {
     fn bond(&mut self) -> Bond<f64> {
         let cement = self.cement();
         let section = Section::between(cement.radius_multiplier, self.size(-9, -2), self.size(-9, -2));
-        Bond::new(&cement, &section, self.size(30, 50))
+        let bond = Bond::new(&cement, &section, self.size(30, 50));
+        let (first, second) = (self.sphere(), self.sphere());
+        Bond { damping: bond::damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
     }
     fn history(&mut self) -> History<f64> {
         History {

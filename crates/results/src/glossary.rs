@@ -321,7 +321,7 @@ pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     real(
         "unbalanced_force_ratio",
         "1",
-        "mean resultant force on a particle over mean force of a contact or bond",
+        "mean resultant force on a particle, prescribed components left out, over mean force of a contact or bond",
         |r| one(r.ledger.unbalanced_force_ratio),
     ),
     id("contacts", "number of touching pairs of particles", |r| count(r.ledger.contacts)),

@@ -369,8 +369,7 @@ impl Specimen {
             let numbers = self.joint().bond(radii[0], radii[1], length, 1.0);
             for (k, radius) in [(i, radii[0]), (j, radii[1])] {
                 let arm = length * radius / (radii[0] + radii[1]);
-                // Without dashpots effective masses do not matter.
-                particles[k].hold(&numbers, offset * (1.0 / length), arm, [1.0, 1.0]);
+                particles[k].hold(&numbers, offset * (1.0 / length), arm);
             }
         }
         let of = |k: usize| particles[k].verlet_step(state.mass[k], sphere_inertia(state.mass[k], state.radius[k]));

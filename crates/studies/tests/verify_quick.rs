@@ -1,26 +1,17 @@
 //! The quick tier of the verification catalogue on every back end, and proof that it can fail.
 
 use std::collections::BTreeSet;
-use tdem_engine::gpu::{Api, Error};
+use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{Form, Tension};
-use tdem_engine::{BondPlan, Fault, Integrator, Plan};
+use tdem_engine::{BondPlan, Integrator, Plan};
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
 fn spec(backend: Backend) -> Vec<Outcome> {
     let outcomes: Vec<Outcome> =
         catalogue().iter().filter(|case| case.tier == Tier::Quick).map(|case| run(case, backend)).collect();
-    let failed: Vec<Outcome> =
-        outcomes.iter().filter(|outcome| !outcome.passed() && !refuses_bonds(outcome)).cloned().collect();
+    let failed: Vec<Outcome> = outcomes.iter().filter(|outcome| !outcome.passed()).cloned().collect();
     assert!(failed.is_empty(), "\n{}", table(&failed));
     outcomes
-}
-
-/// Whether a GPU refused a case because its bonds store forces: not passed, but skipped until GPUs take these; then no case
-/// is, and this goes.
-fn refuses_bonds(outcome: &Outcome) -> bool {
-    let refused = |why: &str| why.starts_with("bonds in incremental form are computed on the CPU");
-    matches!(outcome.backend, Backend::Gpu { .. })
-        && matches!(&outcome.fault, Some(Fault::Device(Error::Missing { why })) if refused(why))
 }
 
 #[test]
@@ -30,10 +21,6 @@ fn quick_tier_passes_with_equal_bits_on_every_back_end() {
     // A machine without OpenCL fails here.
     for backend in [Backend::CpuPortable, Backend::CpuLanes, Backend::Gpu { api: Api::OpenCl, index: 0 }] {
         for (outcome, expected) in spec(backend).iter().zip(&reference) {
-            if refuses_bonds(outcome) {
-                println!("SKIPPED {} on {}: it refuses bonds in incremental form", outcome.case.name, backend.name());
-                continue;
-            }
             assert!(outcome.hash.is_some(), "{} keeps no state", outcome.case.name);
             assert_eq!(outcome.hash, expected.hash, "{} has other bits on {}", outcome.case.name, backend.name());
         }

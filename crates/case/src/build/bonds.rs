@@ -1,5 +1,6 @@
 //! Bonds: who is bonded to whom, with what, and how fast that can vibrate.
 
+mod crystal;
 mod file;
 mod joint;
 mod vibration;
@@ -11,10 +12,10 @@ use super::draft::Draft;
 use crate::grid::Grid;
 use crate::problem::{Problem, counted};
 use crate::rng::{Stream, uniform4};
-use crate::schema::{BondForm, Case};
+use crate::schema::{BondForm, Case, RunBonds};
 use joint::Extent;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::strength::{weibull, weibull_scale};
 use tdem_engine::physics::bond::{Damping, Form, Joint, Law, Tension};
@@ -23,8 +24,10 @@ use tdem_engine::{Bond, BondPlan, Domain, State};
 /// The bonds of a case, before particles are in the order of their ids.
 #[derive(Clone, Debug)]
 pub(crate) struct Bonded {
-    /// Indices of particles, each pair once.
+    /// Indices of particles that are bonded now, each pair once.
     pairs: Vec<[u32; 2]>,
+    /// Indices of particles that were bonded in another run, each pair once.
+    carried: Vec<[u32; 2]>,
     /// What joins two materials, `(materials, materials)`.
     joints: Vec<Option<Joint<f64>>>,
     /// Which [[bond]] says it.
@@ -62,9 +65,9 @@ impl Bonded {
     }
 }
 
-/// From one particle to another, m: the nearest image.
+/// From one particle to another when they were bonded, m: the nearest image.
 fn offset(domain: &Domain, state: &State, [first, second]: [usize; 2]) -> Vec3<f64> {
-    let place = |index: usize| Vec3::from(state.position[index]);
+    let place = |index: usize| Vec3::from(state.bonded_position[index]);
     domain.period().nearest(place(second) - place(first))
 }
 
@@ -81,8 +84,9 @@ impl Bonded {
             Some(file) => file::read(context, draft, &given, file).map_err(|found| problems.extend(found)).ok()?,
             None => near(context, draft, &given, problems),
         };
+        let carried = carried(context, draft, &given, problems);
         let mut extents = vec![Extent::default(); case.bond.len()];
-        for &pair in &pairs {
+        for &pair in pairs.iter().chain(&carried) {
             let pair = pair.map(|index| index as usize);
             if let Some(entry) = given.entry(&draft.state, pair) {
                 let length = offset(&context.domain, &draft.state, pair);
@@ -95,8 +99,9 @@ impl Bonded {
         if problems[before..].iter().any(|p| p.severity == crate::Severity::Error) {
             return None;
         }
+        problems.extend(crystal::check(context, draft, &given, &[pairs.as_slice(), &carried].concat()));
         let joints = given.entries.iter().map(|entry| entry.and_then(|entry| joints[entry])).collect();
-        Some(Bonded { pairs, joints, given })
+        Some(Bonded { pairs, carried, joints, given })
     }
 
     /// What a plan says of them.
@@ -117,7 +122,7 @@ impl Bonded {
         }
     }
 
-    /// The bonds by ids, with their strengths.
+    /// The bonds that are made now by ids, with their strengths.
     pub(super) fn bonds(&self, case: &Case, state: &State) -> Vec<Bond> {
         let shapes: Vec<Option<f64>> =
             case.bond.iter().map(|joint| joint.scatter.as_ref().map(|scatter| scatter.weibull_shape.get())).collect();
@@ -140,6 +145,39 @@ impl Bonded {
     }
 }
 
+/// Indices of the particles whose bonds another run made. Each needs a [[bond]] here.
+fn carried(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut Vec<Problem>) -> Vec<[u32; 2]> {
+    if draft.carried.is_empty() {
+        return Vec::new();
+    }
+    let state = &draft.state;
+    let index_of: HashMap<u32, u32> = state.id.iter().zip(0..).map(|(&id, index)| (id, index)).collect();
+    let mut missing: BTreeMap<[u16; 2], (usize, u16)> = BTreeMap::new();
+    let mut pairs = Vec::new();
+    for (bond, _) in &draft.carried {
+        let [Some(&first), Some(&second)] = [bond.first, bond.second].map(|id| index_of.get(&id)) else { continue };
+        let pair = [first, second];
+        if given.entry(state, pair.map(|index| index as usize)).is_none() {
+            let mut materials = pair.map(|index| state.material[index as usize]);
+            materials.sort_unstable();
+            missing.entry(materials).or_insert((0, draft.group[first as usize])).0 += 1;
+        } else {
+            pairs.push(pair);
+        }
+    }
+    for (pair, (count, group)) in missing {
+        let [a, b] = pair.map(|material| &context.materials.names[usize::from(material)]);
+        let message =
+            format!("nothing says how `{a}` and `{b}` are bonded, as {} of that run are", counted(count, "pair"));
+        problems.push(
+            Problem::error("tdem::case::missing-bond", message)
+                .at(context.place(usize::from(group), &["run", "bonds"]), "carries these bonds")
+                .help(format!("add a [[bond]] with between = [\"{a}\", \"{b}\"]")),
+        );
+    }
+    pairs
+}
+
 /// A pair that is bonded, or not because nothing joins its materials.
 struct Near {
     pair: [u32; 2],
@@ -150,16 +188,19 @@ struct Near {
 /// otherwise, but not where they meet, are worth a warning.
 fn near(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut Vec<Problem>) -> Vec<[u32; 2]> {
     let (case, state, domain) = (&context.loaded.case, &draft.state, &context.domain);
-    let gaps = || case.bond.iter().map(|joint| joint.gap.get());
-    let (least, most) = (gaps().fold(f64::INFINITY, f64::min), gaps().fold(0.0, f64::max));
     let bounds = state.position.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
         [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
     });
     let largest = state.radius.iter().copied().fold(0.0, f64::max);
-    let mut grid = Grid::new(domain, bounds[0], bounds[1], (2.0 + most) * largest * (1.0 + 1e-9), state.len());
+    let reaches = |first: f64, second: f64| case.bond.iter().map(move |joint| joint.reach(first, second));
+    let width = reaches(largest, largest).fold(2.0 * largest, f64::max);
+    let mut grid = Grid::new(domain, bounds[0], bounds[1], width * (1.0 + 1e-9), state.len());
     state.position.iter().for_each(|&point| grid.push(point));
     let groups = &case.particles;
-    let loose = |index: usize| groups[usize::from(draft.group[index])].loose;
+    let loose = |index: usize| {
+        let group = &groups[usize::from(draft.group[index])];
+        group.loose || group.run.as_ref().is_some_and(|run| run.bonds == RunBonds::Carry)
+    };
 
     let found: Vec<Near> = (0..state.len())
         .into_par_iter()
@@ -171,8 +212,11 @@ fn near(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut Vec<
                     return false;
                 }
                 let entry = given.entry(state, [first, second]);
-                let gap = entry.map_or(least, |entry| case.bond[entry].gap.get());
-                let reach = (1.0 + 0.5 * gap) * (state.radius[first] + state.radius[second]);
+                let radii = [state.radius[first], state.radius[second]];
+                let reach = entry.map_or_else(
+                    || reaches(radii[0], radii[1]).fold(f64::INFINITY, f64::min),
+                    |entry| case.bond[entry].reach(radii[0], radii[1]),
+                );
                 let offset = offset(domain, state, [first, second]);
                 if offset.dot(offset) <= reach * reach {
                     found.push(Near { pair: [first as u32, second as u32], joined: entry.is_some() });

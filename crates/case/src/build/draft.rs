@@ -4,9 +4,10 @@ use super::Context;
 use crate::problem::{Problem, counted, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::Particles;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
-use tdem_engine::{Bond, Contact, Plan, State};
+use tdem_engine::physics::Vec3;
+use tdem_engine::{Bond, BondHistory, BondPlan, Contact, Domain, Plan, State};
 
 /// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
 /// memory.
@@ -23,17 +24,44 @@ pub(super) struct Spheres {
     pub(super) material: Vec<u16>,
     /// Histories of pairs that already touch.
     pub(super) contacts: Vec<Contact>,
+    /// Bonds that go on, with what they refer to; of other spheres all of this is empty.
+    pub(super) carried: Carried,
+}
+
+/// Bonds of another run that go on.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Carried {
+    /// m, one for each sphere.
+    pub(super) bonded_position: Vec<[f64; 3]>,
+    /// One for each sphere.
+    pub(super) orientation: Vec<[f64; 4]>,
+    pub(super) bonds: Vec<Bond>,
+    /// One for each bond, or none.
+    pub(super) histories: Vec<BondHistory>,
+}
+
+/// Not turned.
+const UPRIGHT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// The values that are marked.
+pub(super) fn kept<T: Copy>(values: &[T], marks: &[bool]) -> Vec<T> {
+    values.iter().zip(marks).filter_map(|(value, mark)| mark.then_some(*value)).collect()
 }
 
 impl Spheres {
     /// Those that are marked; histories of pairs stay where both are.
     pub(super) fn kept(self, marks: &[bool]) -> Self {
-        fn kept<T: Copy>(values: &[T], marks: &[bool]) -> Vec<T> {
-            values.iter().zip(marks).filter_map(|(value, mark)| mark.then_some(*value)).collect()
-        }
         let id = kept(&self.id, marks);
         let left: HashSet<u32> = id.iter().copied().collect();
         let contacts = self.contacts.into_iter().filter(|c| left.contains(&c.first) && left.contains(&c.second));
+        let of = self.carried;
+        let whole: Vec<bool> = of.bonds.iter().map(|b| left.contains(&b.first) && left.contains(&b.second)).collect();
+        let carried = Carried {
+            bonded_position: kept(&of.bonded_position, marks),
+            orientation: kept(&of.orientation, marks),
+            bonds: kept(&of.bonds, &whole),
+            histories: kept(&of.histories, &whole),
+        };
         Spheres {
             position: kept(&self.position, marks),
             radius: kept(&self.radius, marks),
@@ -41,8 +69,24 @@ impl Spheres {
             angular_velocity: kept(&self.angular_velocity, marks),
             material: kept(&self.material, marks),
             contacts: contacts.collect(),
+            carried,
             id,
         }
+    }
+
+    /// The same with ids counted from a number on, in the same order.
+    fn renumbered(mut self, first: u64) -> Self {
+        let mut ascending = self.id.clone();
+        ascending.sort_unstable();
+        let new = |id: u32| (first + ascending.partition_point(|&other| other < id) as u64) as u32;
+        self.id.iter_mut().for_each(|id| *id = new(*id));
+        for contact in &mut self.contacts {
+            (contact.first, contact.second) = (new(contact.first), new(contact.second));
+        }
+        for bond in &mut self.carried.bonds {
+            (bond.first, bond.second) = (new(bond.first), new(bond.second));
+        }
+        self
     }
 }
 
@@ -51,6 +95,8 @@ impl Spheres {
 pub(super) struct Draft {
     pub(super) state: State,
     pub(super) group: Vec<u16>,
+    /// Bonds of other runs that go on, and what they remember if the form of bonds remembers.
+    pub(super) carried: Vec<(Bond, BondHistory)>,
     next_id: u64,
 }
 
@@ -65,13 +111,19 @@ impl Draft {
     ) -> Result<(), Problem> {
         let count = spheres.position.len();
         let needed = self.next_id + count as u64;
-        if needed > u64::from(u32::MAX) && spheres.id.is_empty() {
+        // A run's ids are kept if all are free; a table's ids are the user's.
+        let taken = group.run.is_some() && spheres.id.iter().any(|&id| u64::from(id) < self.next_id);
+        if needed > u64::from(u32::MAX) && (spheres.id.is_empty() || taken) {
             return Err(too_many(context, index, needed as f64));
         }
+        let spheres = if taken { spheres.renumbered(self.next_id) } else { spheres };
         let material = group.material.as_deref().map(|name| context.materials.index(name));
         let seed = context.loaded.case.seed;
         let state = &mut self.state;
         state.contacts.extend(spheres.contacts);
+        let carried = spheres.carried;
+        let histories = carried.histories.into_iter().chain(std::iter::repeat(BondHistory::default()));
+        self.carried.extend(carried.bonds.into_iter().zip(histories));
         for k in 0..count {
             let id = spheres.id.get(k).copied().unwrap_or((self.next_id + k as u64) as u32);
             let radius = spheres.radius[k];
@@ -88,6 +140,8 @@ impl Draft {
             state.mass.push(sphere_mass(radius, context.materials.density[usize::from(material)]));
             let place = spheres.position[k];
             state.position.push(place);
+            state.bonded_position.push(carried.bonded_position.get(k).copied().unwrap_or(place));
+            state.orientation.push(carried.orientation.get(k).copied().unwrap_or(UPRIGHT));
             let stretching: [f64; 3] = std::array::from_fn(|d| group.strain_rate[d] * place[d]);
             state.velocity.push(std::array::from_fn(|d| base[d] + group.velocity[d] + stretching[d] + random[d]));
             state.angular_velocity.push(std::array::from_fn(|d| spin[d] + group.angular_velocity[d]));
@@ -134,6 +188,8 @@ impl Draft {
                 position: order.iter().map(|&k| state.position[k]).collect(),
                 velocity: order.iter().map(|&k| state.velocity[k]).collect(),
                 angular_velocity: order.iter().map(|&k| state.angular_velocity[k]).collect(),
+                bonded_position: order.iter().map(|&k| state.bonded_position[k]).collect(),
+                orientation: order.iter().map(|&k| state.orientation[k]).collect(),
                 ..state
             };
         }
@@ -147,9 +203,32 @@ impl Draft {
         if plan.ledger {
             state.accounts = vec![[0.0; 4]; count];
         }
-        state.make_bonds(bonds);
+        let remembers = plan.bonds.as_ref().is_some_and(BondPlan::remembers);
+        self::bond(&mut state, &context.domain, &self.carried, bonds, remembers);
         state.wall_position = context.planes.iter().map(|plane| plane.point).collect();
         state
+    }
+}
+
+/// Bonds particles: new ones as they lie, carried ones as they were.
+fn bond(state: &mut State, domain: &Domain, carried: &[(Bond, BondHistory)], mut bonds: Vec<Bond>, remembers: bool) {
+    bonds.extend(carried.iter().map(|(bond, _)| *bond));
+    bonds.sort_unstable_by_key(|bond| (bond.first, bond.second));
+    state.bonds = bonds;
+    if state.bonds.is_empty() {
+        state.bonded_position.clear();
+        state.orientation.clear();
+    }
+    if remembers && !carried.is_empty() {
+        let known: HashMap<(u32, u32), BondHistory> =
+            carried.iter().map(|(bond, history)| ((bond.first, bond.second), *history)).collect();
+        let place = |id: u32| Vec3::from(state.bonded_position[state.index_of(id).unwrap_or(0)]);
+        let unloaded = |bond: &Bond| {
+            let offset = domain.period().nearest(place(bond.second) - place(bond.first));
+            BondHistory { normal: (offset * (1.0 / offset.dot(offset).sqrt())).into(), ..BondHistory::default() }
+        };
+        let of = |bond: &Bond| known.get(&(bond.first, bond.second)).copied().unwrap_or_else(|| unloaded(bond));
+        state.bond_histories = state.bonds.iter().map(of).collect();
     }
 }
 

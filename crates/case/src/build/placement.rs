@@ -29,7 +29,8 @@ pub(super) fn wrapped(domain: &Domain, point: [f64; 3]) -> [f64; 3] {
 /// Wraps all particles and finds those that are in wrong places.
 pub(super) fn check(context: &Context<'_>, draft: &mut Draft) -> Vec<Problem> {
     let domain = &context.domain;
-    draft.state.position.iter_mut().for_each(|point| *point = wrapped(domain, *point));
+    let points = draft.state.position.iter_mut().chain(&mut draft.state.bonded_position);
+    points.for_each(|point| *point = wrapped(domain, *point));
     let mut problems = outside(context, draft);
     if problems.is_empty() {
         problems.extend(walls(context, draft));

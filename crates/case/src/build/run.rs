@@ -1,12 +1,12 @@
 //! Spheres from the final state of another run.
 
 use super::Context;
-use super::draft::Spheres;
+use super::draft::{Carried, Spheres, kept};
 use crate::problem::Problem;
-use crate::schema::{Particles, Run};
+use crate::schema::{BondForm, Domain, Particles, Run, RunBonds};
 use crate::structure::suggestion;
 use std::path::Path;
-use tdem_engine::State;
+use tdem_engine::{Bond, State};
 
 /// Reads the final state of a run. Whoever knows checkpoints implements it.
 pub trait RunLoader {
@@ -52,8 +52,12 @@ pub(super) fn place(
         let names = if spec.materials.is_empty() { names_in(&directory) } else { spec.materials.clone() };
         renamed(context, group, &names, &state)?
     };
+    let carried = match spec.bonds {
+        RunBonds::Anew => Carried::default(),
+        RunBonds::Carry => carried(context, group, spec, &directory, &state)?,
+    };
     Ok(Spheres {
-        position: state.position,
+        position: state.position.iter().map(|&place| moved(spec, place)).collect(),
         radius: state.radius,
         velocity: state.velocity,
         angular_velocity: state.angular_velocity,
@@ -61,7 +65,74 @@ pub(super) fn place(
         material,
         // Walls may be others here, so only the histories of pairs go on.
         contacts: state.contacts,
+        carried,
     })
+}
+
+/// A place of that run in this one, m.
+fn moved(spec: &Run, place: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| place[k] + spec.offset[k])
+}
+
+/// The bonds of a run that hold, with all that they refer to. Where one broke, particles touch from then on.
+fn carried(
+    context: &Context<'_>,
+    group: usize,
+    spec: &Run,
+    directory: &Path,
+    state: &State,
+) -> Result<Carried, Problem> {
+    let problem = |what: &str, help: &str| {
+        Problem::error("tdem::case::run-bonds", what)
+            .at(context.place(group, &["run", "bonds"]), "cannot go on")
+            .help(help)
+    };
+    if state.bonds.is_empty() {
+        let what = format!("the run {} has no bonds", directory.display());
+        return Err(problem(&what, "leave `bonds` out to bond its particles as they lie"));
+    }
+    if context.loaded.case.bond.is_empty() {
+        return Err(problem(
+            "the bonds of that run go on, but nothing here says what bonds are made of",
+            "write model = \"BPM\" and repeat the [[bond]] tables of that run's case",
+        ));
+    }
+    let form = context.loaded.case.bonds.form;
+    if form != BondForm::Total && state.bond_histories.is_empty() {
+        return Err(problem(
+            "bonds store forces here, but in that run they did not: there is nothing to go on from",
+            "write bonds.form = \"total\"",
+        ));
+    }
+    let before = crate::load(&directory.join("case.toml"), &[]).ok().map(|run| run.case.domain);
+    if before.is_some_and(|before| !goes_on(context, &before, state)) {
+        return Err(problem(
+            "bonds of that run go through faces of its domain that repeat, but not, or not so soon, here",
+            "give the domain the same length, and let it repeat, in the same directions",
+        ));
+    }
+    let whole: Vec<bool> = state.bonds.iter().map(Bond::holds).collect();
+    Ok(Carried {
+        bonded_position: state.bonded_position.iter().map(|&place| moved(spec, place)).collect(),
+        orientation: state.orientation.clone(),
+        bonds: kept(&state.bonds, &whole),
+        histories: kept(&state.bond_histories, &whole),
+    })
+}
+
+/// Whether directions in which the bonds of a run go through faces that repeat repeat here too, after the same length.
+fn goes_on(context: &Context<'_>, before: &Domain, state: &State) -> bool {
+    let here = &context.domain;
+    let length = |k: usize| before.max[k] - before.min[k];
+    let same = |k: usize| {
+        let change = here.max[k] - here.min[k] - length(k);
+        here.periodic[k] && change.abs() <= 1e-12 * length(k)
+    };
+    let across = |bond: &Bond, k: usize| {
+        let [first, second] = [bond.first, bond.second].map(|id| state.index_of(id).unwrap_or(0));
+        (state.bonded_position[second][k] - state.bonded_position[first][k]).abs() > 0.5 * length(k)
+    };
+    (0..3).all(|k| !before.periodic[k] || same(k) || !state.bonds.iter().any(|bond| across(bond, k)))
 }
 
 /// Names of the materials of a run in the order of their indices, from the case that it keeps.

@@ -49,6 +49,9 @@ impl Checker<'_> {
                     .help("keep one of them"),
                 );
             }
+            if joint.gap_length.is_some() && self.tree.get(&["bond", &index, "gap"]).is_some() {
+                self.exclusive(&["bond", &index], "gap", "gap_length");
+            }
             self.stiffness(joint, &index);
             self.strengths(joint, &index);
         }

@@ -81,9 +81,22 @@ pub struct Joint {
     /// Particles are bonded whose surfaces are no farther apart than this, as a fraction of their mean radius.
     #[serde(default = "default_gap")]
     pub gap: NonNegative,
+    /// The same as a length, m; replaces `gap`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub gap_length: Option<NonNegative>,
     /// Random strengths; all bonds are equally strong if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<Scatter>,
+}
+
+impl Joint {
+    /// Distance of centres up to which particles of two radii are bonded, m.
+    #[must_use]
+    pub fn reach(&self, first: f64, second: f64) -> f64 {
+        let sum = first + second;
+        self.gap_length.map_or((1.0 + 0.5 * self.gap.get()) * sum, |length| sum + length.get())
+    }
 }
 
 const fn one() -> Positive {

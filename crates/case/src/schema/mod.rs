@@ -14,7 +14,7 @@ pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
 pub use gauge::{Curve, Gauge};
 pub use particles::{
     Align, CellKind, Component, Course, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
-    SizeDistribution, SizeRange,
+    RunBonds, SizeDistribution, SizeRange,
 };
 pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
 pub use shape::{Ball, Block, Cylinder, Revolution, RibbedBar, Shape};

@@ -390,4 +390,23 @@ pub struct Run {
     /// either, materials keep the names that they have in that run's case.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<String>,
+    /// Added to all places, m.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
+    pub offset: [f64; 3],
+    /// "anew": particles are bonded as they lie now, as [[bond]] says, and that run's bonds are forgotten. "carry": that
+    /// run's bonds go on, loaded as they are; what broke stays unbonded, and these particles are bonded to no others.
+    #[serde(default)]
+    pub bonds: RunBonds,
+}
+
+/// What becomes of the bonds of another run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RunBonds {
+    /// They are forgotten.
+    #[default]
+    Anew,
+    /// They go on.
+    Carry,
 }

@@ -40,7 +40,7 @@ pub(super) struct Scene<'a> {
     strength: &'a [f64],
     holds: &'a [bool],
     joints: &'a [Joint<f64>],
-    alike: Option<Bond<f64>>,
+    alike: Option<&'a [Bond<f64>]>,
     law: Law,
     period: Option<Period<f64>>,
     step: f64,
@@ -109,7 +109,7 @@ impl Cpu {
             strength,
             holds,
             joints,
-            alike: *alike,
+            alike: alike.as_deref(),
             law: self.plan.bonds.as_ref()?.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
@@ -207,18 +207,24 @@ impl Scene<'_> {
     fn bonded_offset(&self, slot: usize) -> Vec3<f64> {
         self.offset[slot].into()
     }
+    /// The place of a pair's materials in tables.
+    #[inline(always)]
+    fn materials_of(&self, i: usize, j: usize) -> usize {
+        usize::from(self.material[i]) * self.materials + usize::from(self.material[j])
+    }
     #[inline(always)]
     fn joint(&self, i: usize, j: usize) -> &Joint<f64> {
-        &self.joints[usize::from(self.material[i]) * self.materials + usize::from(self.material[j])]
+        &self.joints[self.materials_of(i, j)]
     }
     #[inline(always)]
     fn numbers(&self, slot: usize) -> Bond<f64> {
         let strength = self.strength[slot];
-        if let Some(alike) = self.alike {
-            return alike.with_strength_times(strength);
-        }
         let ((i, j), offset) = (self.pair(slot), self.bonded_offset(slot));
-        self.joint(i, j).bond(self.place[i].scalar(), self.place[j].scalar(), offset.dot(offset).sqrt(), strength)
+        if let Some(alike) = self.alike {
+            return alike[self.materials_of(i, j)].with_strength_times(strength);
+        }
+        let length = offset.dot(offset).sqrt();
+        self.joint(i, j).bond_of_spheres(self.law.damping, &self.sphere(i), &self.sphere(j), length, strength)
     }
     /// The law, and what is to be remembered.
     #[inline(always)]

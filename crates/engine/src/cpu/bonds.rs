@@ -4,7 +4,7 @@ use super::bodies::Quad;
 use super::neighbours::indices_by_rank;
 use crate::{Bond, BondHistory, Plan, State};
 use tdem_physics::bond;
-use tdem_physics::bond::{Cement, History, Joint};
+use tdem_physics::bond::{Cement, Joint};
 
 /// The bonds of a run. `B` is the number of bonds, `N` of particles.
 ///
@@ -23,8 +23,8 @@ pub(crate) struct Bonds {
     of_rank: Vec<u32>,
     /// What bonds are made of, `(materials, materials)`.
     pub(crate) joints: Vec<Joint<f64>>,
-    /// The numbers of every bond but for the factor on its strengths, if they are alike.
-    pub(crate) alike: Option<bond::Bond<f64>>,
+    /// The numbers of the bonds of each pair of materials, if they are alike, see [`State::alike_bonds`].
+    pub(crate) alike: Option<Vec<bond::Bond<f64>>>,
 
     /// Where each row starts, `(N + 1)`.
     pub(crate) start: Vec<u32>,
@@ -70,13 +70,7 @@ impl Bonds {
         let Some(described) = plan.bonds.as_ref().filter(|_| !state.bonds.is_empty()) else { return Bonds::default() };
         let rank = |id: u32| state.index_of(id).unwrap_or(0);
         let offset = |bond: &Bond| state.bonded_offset(plan, rank(bond.first), rank(bond.second));
-        let history = match (described.remembers(), state.bond_histories.is_empty()) {
-            (false, _) => Vec::new(),
-            (true, false) => state.bond_histories.clone(),
-            (true, true) => (state.bonds.iter().map(offset))
-                .map(|offset| BondHistory::of(&History::unloaded(offset * (1.0 / offset.dot(offset).sqrt()))))
-                .collect(),
-        };
+        let history = if described.remembers() { state.histories_to_begin_with(plan) } else { Vec::new() };
         let before = |id: u32| state.bonds.partition_point(|bond| bond.first < id) as u32;
         let mut bonds = Bonds {
             second: state.bonds.iter().map(|bond| rank(bond.second) as u32).collect(),

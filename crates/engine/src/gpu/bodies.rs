@@ -220,7 +220,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         domain_max: Vector(plan.domain.max),
         period: Box3::from(&period),
         pair: only_interaction(plan, state).map(Pair::from).unwrap_or_default(),
-        bond: state.alike_bonds(plan).as_ref().map(Beam::from).unwrap_or_default(),
+        bond: Beam::default(),
         local_damping: plan.bonds.as_ref().map_or(0.0, |bonds| bonds.local_damping),
         particles: particles as u32,
         walls: plan.walls.len() as u32,
@@ -232,6 +232,8 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         ticks_allowed: ticks.allowed,
         bond_slots: 0,
         number: 0,
+        bonds: 0,
+        padding: 0,
     };
     step.set_clock(plan, state.step);
     step

@@ -158,7 +158,7 @@ records! {
         period: Box3,
         /// The parameters of the only pair of materials, if there is only one.
         pair: Pair,
-        /// The numbers of all bonds, if they are alike.
+        /// The numbers of all bonds, if there is only one kind of them.
         bond: Beam,
         /// Coefficient of local damping.
         local_damping: f64,
@@ -179,6 +179,8 @@ records! {
         bond_slots: u32,
         /// Of this step, counted from where records of broken bonds begin.
         number: u32,
+        bonds: u32,
+        padding: u32,
     }
     /// A plane wall.
     Wall {
@@ -388,19 +390,35 @@ kernels! {
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
     }
+    /// See `kernels/bond.cl`.
+    bond as EvaluateBonds(128, 4) {
+        step: value Step, status: shared u32,
+        place: read Quad, motion: read Quad where |v| v.bonds_move(), spin: read Quad where |v| v.bonds_move(),
+        orientation: read Quad where |v| !v.bonds_remember(), bonded_place: read Quad where |v| !v.bonds_remember(),
+        kind: read u32 where |v| !v.one_bond, interactions: seldom Pair,
+        joints: read JointOf where |v| !v.alike_bonds, beams: read Beam where |v| v.alike_bonds && !v.one_bond,
+        slice: seldom u32, other: seldom u32, bond_other: seldom u32, bond_ends: amend u32, bond_length: read f64,
+        bond_strength: read f64, bond_history: update f64, reaction: write Vector, bond_lost: write f64,
+        broken: seldom u32, released: seldom f64, kick_by_half: read Quad, twist_by_half: read Quad,
+    }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
-        kind: read u32 where |v| !v.one_pair || v.asks_constraints(), rank: read u32 where |v| v.ledger,
+        kind: read u32 where |v| !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond,
+        rank: read u32 where |v| v.ledger,
         interactions: read Pair where |v| !v.one_pair,
         constraints: read Constraint where |v| v.asks_constraints(),
         pieces: read Piece where |v| v.ramps && v.asks_constraints(),
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad,
         kick_by_half: read Quad, twist_by_half: read Quad, accounts: update Quad,
-        orientation: read Quad, bonded_place: read Quad, joints: read JointOf where |v| !v.alike_bonds,
-        bond_other: amend u32, bond_start: seldom u32, bond_strength: read f64, broken: seldom u32, released: seldom f64,
+        orientation: read Quad where |v| !v.bonds_apart, bonded_place: read Quad where |v| !v.bonds_apart,
+        joints: read JointOf where |v| !v.alike_bonds && !v.bonds_apart,
+        beams: read Beam where |v| v.alike_bonds && !v.one_bond && !v.bonds_apart,
+        bond_other: amend u32 where |v| !v.bonds_apart, bond_start: seldom u32,
+        bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
+        bond_number: read u32, reaction: read Vector, bond_lost: read f64,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {
@@ -415,20 +433,30 @@ kernels! {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad,
         next_place: write Quad, next_motion: write Quad, next_spin: write Quad,
-        image: seldom i32, kind: read u32 where |v| v.constrained || !v.one_pair,
+        image: seldom i32, kind: read u32 where |v| v.constrained || !v.one_pair || v.bonds && !v.one_bond,
         interactions: read Pair where |v| !v.one_pair, constraints: read Constraint where |v| v.constrained,
         pieces: read Piece where |v| v.ramps, reference: amend u64,
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
-        rank: seldom u32, orientation: read Quad, next_orientation: write Quad, bonded_place: read Quad,
-        joints: read JointOf where |v| !v.alike_bonds,
-        bond_other: amend u32, bond_start: seldom u32, bond_strength: read f64, broken: seldom u32, released: seldom f64,
+        rank: seldom u32, orientation: read Quad, next_orientation: write Quad,
+        bonded_place: read Quad where |v| !v.bonds_apart,
+        joints: read JointOf where |v| !v.alike_bonds && !v.bonds_apart,
+        beams: read Beam where |v| v.alike_bonds && !v.one_bond && !v.bonds_apart,
+        bond_other: amend u32 where |v| !v.bonds_apart, bond_start: seldom u32,
+        bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
+        bond_number: read u32, reaction: read Vector,
     }
     /// See `kernels/bond.cl`.
     take_bonds as TakeBonds(128, 4) {
         particles: value u32, first: value u32, planes: value u32, order: read u32, index_of: read u32,
         bond_other: read u32, room: write u32,
     }
+    /// See `kernels/bond.cl`.
+    take_numbers as TakeNumbers(128, 4) {
+        particles: value u32, first: value u32, planes: value u32, order: read u32, bond_number: read u32, room: write u32,
+    }
+    /// See `kernels/bond.cl`.
+    follow_ends as FollowEnds(128, 4) { count: value u32, index_of: read u32, bond_ends: update u32 }
     /// See `kernels/bond.cl`.
     put_bonds as PutBonds(128, 4) {
         particles: value u32, first: value u32, planes: value u32, room: read u32, bond_other: write u32,

@@ -31,7 +31,10 @@ impl<R: Runtime> Gpu<R> {
         let touching = self.touching()?;
         let parts = parts(&launches, touching)?;
         let moved = parts.iter().filter(|part| !fused || part.stage == "search").map(|part| part.bytes).sum::<u64>();
-        let step = if fused { self.queue.traffic(&self.fused_call()).bytes(touching) } else { 0 };
+        let mut step = if fused { self.queue.traffic(&self.fused_call()).bytes(touching) } else { 0 };
+        if fused && self.bonds.are_apart() {
+            step += self.queue.traffic(&self.bonds_call()).bytes(touching);
+        }
         let bytes_per_step = step as f64 + moved as f64 / steps.max(1) as f64;
         Ok(Profile { steps, searches: self.searches - searches, seconds, parts, bytes_per_step })
     }

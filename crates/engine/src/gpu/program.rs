@@ -1,7 +1,8 @@
 //! The kernels of a run: the printed laws and the skeletons around them, in one text.
 
 use super::layout;
-use crate::{Integrator, Plan, State};
+use crate::bond::only_bond;
+use crate::{BondPlan, Integrator, Plan, State};
 use std::fmt::Write;
 use tdem_physics::contact::{Friction, Interaction};
 use tdem_physics::{bond, print};
@@ -22,14 +23,20 @@ pub(crate) struct Variant {
     pub(crate) applied_forces: bool,
     /// Whether all contacts have the same parameters.
     pub(crate) one_pair: bool,
-    /// Whether all particles have the same radius and mass.
-    pub(crate) one_size: bool,
+    /// Whether all particles have the same radius.
+    pub(crate) one_radius: bool,
+    /// Whether all particles have the same mass.
+    pub(crate) one_mass: bool,
     /// The law of bonds, if the plan has any.
     pub(crate) bond_law: Option<bond::Law>,
     /// Whether particles are bonded.
     pub(crate) bonds: bool,
-    /// Whether all bonds have the same numbers but for their strengths.
+    /// Whether all bonds of a pair of materials have the same numbers but for their strengths.
     pub(crate) alike_bonds: bool,
+    /// Whether there is only one kind of them.
+    pub(crate) one_bond: bool,
+    /// Whether each bond is evaluated once, apart from its particles.
+    pub(crate) bonds_apart: bool,
     /// Whether strengths have factors.
     pub(crate) scattered_bonds: bool,
     /// Whether bonds that hold keep contact off.
@@ -56,6 +63,7 @@ fn alike(values: &[f64]) -> bool {
 
 impl Variant {
     pub(crate) fn of(plan: &Plan, state: &State) -> Self {
+        let alike_bonds = state.alike_bonds(plan);
         Variant {
             law: plan.law,
             gear: plan.integrator == Integrator::Gear,
@@ -65,10 +73,14 @@ impl Variant {
             ramps: !plan.ramps.is_empty(),
             applied_forces: plan.applies_forces(),
             one_pair: only_interaction(plan, state).is_some(),
-            one_size: alike(&state.radius) && alike(&state.mass),
+            one_radius: alike(&state.radius),
+            one_mass: alike(&state.mass),
             bond_law: plan.bonds.as_ref().map(|bonds| bonds.law),
             bonds: !state.bonds.is_empty(),
-            alike_bonds: state.alike_bonds(plan).is_some(),
+            alike_bonds: alike_bonds.is_some(),
+            one_bond: alike_bonds.is_some_and(|table| only_bond(&table).is_some()),
+            bonds_apart: !state.bonds.is_empty()
+                && (plan.bonds.as_ref().is_some_and(BondPlan::remembers) || plan.search.every_step),
             scattered_bonds: state.bonds.iter().any(|bond| bond.strength.to_bits() != 1.0_f64.to_bits()),
             bonds_keep_off: !state.bonds.is_empty()
                 && plan.bonds.as_ref().is_some_and(|bonds| !bonds.contact_in_bonded_pairs),
@@ -83,6 +95,18 @@ impl Variant {
     pub(crate) fn asks_constraints(&self) -> bool {
         self.applied_forces || self.constrained && (self.ledger || self.local_damping)
     }
+    /// Whether bonds store forces.
+    pub(crate) fn bonds_remember(&self) -> bool {
+        self.bond_law.is_some_and(|law| matches!(law.form, bond::Form::Incremental(_)))
+    }
+    /// Whether bonds have dashpots.
+    pub(crate) fn bond_dashpots(&self) -> bool {
+        self.bond_law.is_some_and(|law| law.damping != bond::Damping::Off)
+    }
+    /// Whether bonds look at velocities.
+    pub(crate) fn bonds_move(&self) -> bool {
+        self.bonds_remember() || self.bond_dashpots()
+    }
     /// Whether touching pairs remember anything.
     pub(crate) fn friction(&self) -> bool {
         self.law.friction != Friction::Off
@@ -91,6 +115,7 @@ impl Variant {
     pub(crate) fn kernels(&self) -> Vec<&'static str> {
         let written = |name: &&str| match *name {
             "fused" => self.fused(),
+            "bond" | "take_numbers" | "follow_ends" => self.bonds_apart,
             "take_bonds" | "put_bonds" | "take_strengths" | "put_strengths" | "invert_order" => self.bonds,
             _ => true,
         };
@@ -112,10 +137,14 @@ impl Variant {
             ("RAMPS", self.ramps),
             ("APPLIED_FORCES", self.applied_forces),
             ("ONE_PAIR", self.one_pair),
-            ("ONE_SIZE", self.one_size),
+            ("ONE_RADIUS", self.one_radius),
+            ("ONE_MASS", self.one_mass),
             ("BONDS", self.bonds),
-            ("BOND_DASHPOTS", self.bond_law.is_some_and(|law| law.damping != bond::Damping::Off)),
+            ("BOND_DASHPOTS", self.bond_dashpots()),
+            ("BONDS_REMEMBER", self.bonds_remember()),
+            ("BONDS_APART", self.bonds_apart),
             ("ALIKE_BONDS", self.alike_bonds),
+            ("ONE_BOND", self.one_bond),
             ("SCATTERED_BONDS", self.scattered_bonds),
             ("BONDS_KEEP_OFF", self.bonds_keep_off),
             ("LOCAL_DAMPING", self.local_damping),

@@ -5,7 +5,7 @@
 
 use super::bodies::{Constants, Fields, Half, step_record, unpaired};
 use super::bonds::Bonds;
-use super::layout::{Contact, Correct, Fused, Predict, Step};
+use super::layout::{Contact, Correct, EvaluateBonds, Fused, Predict, Step};
 use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
@@ -25,7 +25,7 @@ const CRUSHED: u32 = 4;
 /// behind a halt does nothing. Two batches are under way, so that the device never waits.
 const BATCH: u64 = 16;
 const BATCHES: usize = 2;
-/// Kernels of a step that is not one.
+/// Kernels of a step of which contact and motion are not one, besides that of bonds apart.
 const KERNELS_APART: usize = 2;
 
 /// A run on a device.
@@ -79,7 +79,7 @@ impl<R: Runtime> Gpu<R> {
             smallest: state.radius.iter().copied().fold(f64::INFINITY, f64::min),
             largest: state.radius.iter().copied().fold(0.0, f64::max),
             halves: [Half::new(&queue, &state, plan)?, Half::new(&queue, &state, plan)?],
-            bonds: Bonds::of_state(&queue, &state, plan, variant.scattered_bonds)?,
+            bonds: Bonds::of_state(&queue, &state, plan, &variant)?,
             now: 0,
             constants: Constants::new(&queue, plan)?,
             rows: Rows::new(&queue, n, plan.walls.len())?,
@@ -97,6 +97,8 @@ impl<R: Runtime> Gpu<R> {
             spins: Vec::new(),
         };
         gpu.step_record.bond_slots = gpu.bonds.slots;
+        gpu.step_record.bonds = gpu.bonds.table.len() as u32;
+        gpu.step_record.bond = gpu.bonds.only.unwrap_or_default();
         gpu.halves[0].take_up(&gpu.queue, &state)?;
         if n > 0 {
             gpu.list_with(true)?;
@@ -179,7 +181,8 @@ impl<R: Runtime> Gpu<R> {
                 let fused = if self.fused { reached - done - u64::from(reached == steps) } else { 0 };
                 self.now = (start + fused as usize) % 2;
                 self.fault_in(status, reached, steps)?;
-                self.queue.forget_launches(KERNELS_APART * (launched - reached) as usize);
+                let kernels = KERNELS_APART + usize::from(self.bonds.are_apart());
+                self.queue.forget_launches(kernels * (launched - reached) as usize);
                 self.batch = (reached - done).clamp(1, BATCH);
                 self.note_way(status);
                 let histories = self.carry_histories()?;
@@ -243,11 +246,51 @@ impl<R: Runtime> Gpu<R> {
     fn launch_step(&mut self, count: u64, last: bool) -> Result<(), Error> {
         self.step_record.number = self.bonds.number(self.step + count).unwrap_or(0);
         self.step_record.set_clock(&self.plan, self.step + count);
+        self.launch_bonds()?;
         if self.fused && !last {
             return self.launch_fused();
         }
         self.launch_contact()?;
         if last { self.launch_correct() } else { self.launch_predict(true) }
+    }
+
+    /// Evaluates bonds that are evaluated apart.
+    fn launch_bonds(&mut self) -> Result<(), Error> {
+        if !self.bonds.are_apart() {
+            return Ok(());
+        }
+        self.next_step();
+        self.queue.run(&self.bonds_call(), self.bonds.table.len())
+    }
+
+    pub(super) fn bonds_call(&self) -> EvaluateBonds<'_, R::Memory> {
+        let (half, fields, bonds) = (&self.halves[self.now], &self.fields, &self.bonds);
+        EvaluateBonds {
+            step: self.step_record,
+            status: &self.status,
+            place: &half.place,
+            motion: &half.motion,
+            spin: &half.spin,
+            orientation: &half.orientation,
+            bonded_place: &bonds.place,
+            kind: &fields.kind,
+            interactions: &self.constants.interactions,
+            joints: &bonds.joints,
+            beams: &bonds.beams,
+            slice: &self.rows.slice,
+            other: &self.rows.other,
+            bond_other: &bonds.other,
+            bond_ends: &bonds.apart.ends,
+            bond_length: &bonds.apart.length,
+            bond_strength: &bonds.strength,
+            bond_history: &bonds.apart.history,
+            reaction: &bonds.apart.reaction,
+            bond_lost: &bonds.apart.lost,
+            broken: &bonds.broken,
+            released: &bonds.released,
+            kick_by_half: &fields.kick_by_half,
+            twist_by_half: &fields.twist_by_half,
+        }
     }
 
     fn launch_contact(&mut self) -> Result<(), Error> {
@@ -278,11 +321,15 @@ impl<R: Runtime> Gpu<R> {
                 orientation: &half.orientation,
                 bonded_place: &self.bonds.place,
                 joints: &self.bonds.joints,
+                beams: &self.bonds.beams,
                 bond_other: &self.bonds.other,
                 bond_start: &self.bonds.start,
                 bond_strength: &self.bonds.strength,
                 broken: &self.bonds.broken,
                 released: &self.bonds.released,
+                bond_number: &self.bonds.apart.number,
+                reaction: &self.bonds.apart.reaction,
+                bond_lost: &self.bonds.apart.lost,
             },
             self.particles,
         )
@@ -349,11 +396,14 @@ impl<R: Runtime> Gpu<R> {
             next_orientation: &next.orientation,
             bonded_place: &self.bonds.place,
             joints: &self.bonds.joints,
+            beams: &self.bonds.beams,
             bond_other: &self.bonds.other,
             bond_start: &self.bonds.start,
             bond_strength: &self.bonds.strength,
             broken: &self.bonds.broken,
             released: &self.bonds.released,
+            bond_number: &self.bonds.apart.number,
+            reaction: &self.bonds.apart.reaction,
         }
     }
 
@@ -366,6 +416,7 @@ impl<R: Runtime> Gpu<R> {
         self.step_record.set_clock(&self.plan, self.step);
         let record = self.step_record;
         self.step_record = Step { history_dt: 0.0, frozen: 1, ..record };
+        self.launch_bonds()?;
         self.launch_contact()?;
         self.step_record = record;
         let status = self.status()?;

@@ -1,6 +1,6 @@
 //! From a device's working order to a state in the order of ids.
 
-use super::bonds::with_breakages;
+use super::bonds::{histories, with_breakages};
 use super::memory::Arriving;
 use super::run::Gpu;
 use super::runtime::Runtime;
@@ -34,6 +34,7 @@ struct Snapshot<R: Runtime> {
     since: u64,
     broken: Arriving<u32, R>,
     released: Arriving<f64, R>,
+    bond_history: Arriving<f64, R>,
 }
 
 impl<R: Runtime> Gpu<R> {
@@ -68,6 +69,7 @@ impl<R: Runtime> Gpu<R> {
             since: self.bonds.since,
             broken: queue.fetch(&self.bonds.broken, all)?,
             released: queue.fetch(&self.bonds.released, all)?,
+            bond_history: queue.fetch(&self.bonds.apart.history, all)?,
         };
         queue.flush()?;
         Ok(move || snapshot.state())
@@ -122,7 +124,7 @@ impl<R: Runtime> Snapshot<R> {
             contacts,
             wall_contacts,
             bonds: with_breakages(&self.bonds, self.since, self.broken.view()?, self.released.view()?),
-            bond_histories: Vec::new(),
+            bond_histories: histories(self.bond_history.view()?),
             id: self.ids,
         })
     }

@@ -15,6 +15,14 @@ pub struct Ends<R> {
     pub offset: Vec3<R>,
 }
 
+impl<R: Real> Ends<R> {
+    /// $L$, m.
+    #[inline(always)]
+    pub(super) fn length(&self) -> R {
+        self.offset.dot(self.offset).sqrt().named("bond_length")
+    }
+}
+
 /// Where a bond lies.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis<R> {
@@ -37,10 +45,17 @@ impl<R: Real> Axis<R> {
     #[inline(always)]
     #[must_use]
     pub fn of(ends: &Ends<R>) -> Self {
-        let length = ends.offset.dot(ends.offset).sqrt().named("bond_length");
-        let normal = (ends.offset * (R::lit(1.0) / length)).named(["normal_x", "normal_y", "normal_z"]);
+        let length = ends.length();
+        Axis::along(ends, length, R::lit(1.0) / length)
+    }
+
+    /// The same of a length $L$ and its inverse.
+    #[inline(always)]
+    pub(super) fn along(ends: &Ends<R>, length: R, inverse: R) -> Self {
+        let normal = (ends.offset * inverse).named(["normal_x", "normal_y", "normal_z"]);
         let (first, second) = (ends.first.radius, ends.second.radius);
-        let length_per_radius = length / (first + second);
+        // The inverse of sums that are all alike is found once.
+        let length_per_radius = length * (R::lit(1.0) / (first + second));
         Axis {
             normal,
             length,

@@ -1,7 +1,8 @@
 //! What a bond is made of: the section of the beam, its stiffnesses, and what its strength needs.
 
-use super::Coefficients;
+use super::{Coefficients, Damping, damping};
 use crate::Real;
+use crate::contact::Sphere;
 use std::f64::consts::PI;
 
 /// What bonds of one kind have in common, whatever their size. P&C's cement.
@@ -39,7 +40,7 @@ pub struct Joint<R> {
 }
 
 impl<R: Real> Joint<R> {
-    /// The bond between two particles.
+    /// The bond between two particles, without dashpots.
     ///
     /// | argument | symbol | unit |
     /// |---|---|---|
@@ -70,6 +71,27 @@ impl<R: Real> Joint<R> {
         let section = Section::between(self.cement.radius_multiplier, first_radius, second_radius);
         let per_area = self.stiffness_per_area + stiffness_per_area(self.young_modulus, bonded_length);
         Bond::new(&self.cement, &section, per_area).with_strength_times(strength)
+    }
+
+    /// The same with dashpots, if the law has any: see [`damping::coefficients`]. Only they look at masses.
+    #[inline(always)]
+    #[must_use]
+    pub fn bond_of_spheres(
+        &self,
+        damping: Damping,
+        first: &Sphere<R>,
+        second: &Sphere<R>,
+        bonded_length: R,
+        strength: R,
+    ) -> Bond<R> {
+        let bond = self.bond(first.radius, second.radius, bonded_length, strength);
+        match damping {
+            Damping::Off => bond,
+            Damping::Viscous => {
+                let dashpots = damping::coefficients(self.cement.damping_ratio, &bond.stiffness, first, second);
+                Bond { damping: dashpots, ..bond }
+            }
+        }
     }
 }
 
@@ -104,7 +126,7 @@ impl<R: Real> Section<R> {
 pub struct Bond<R> {
     /// $K_n = \bar k_nA$, $K_s = \bar k_sA$ in N/m; $K_t = \bar k_sJ$, $K_b = \bar k_nI$ in N m.
     pub stiffness: Coefficients<R>,
-    /// $2\zeta_b\sqrt K$ of each: what a dashpot is, but for the root of the mass that moves.
+    /// Of the dashpots, N s/m and N m s: [`damping::coefficients`].
     pub damping: Coefficients<R>,
     /// $1/A$, 1/m².
     pub stress_per_force: R,
@@ -121,7 +143,7 @@ pub struct Bond<R> {
 }
 
 impl<R: Real> Bond<R> {
-    /// A bond of the given cement and section.
+    /// A bond of the given cement and section, without dashpots.
     ///
     /// | argument | symbol | unit | range |
     /// |---|---|---|---|
@@ -158,16 +180,11 @@ impl<R: Real> Bond<R> {
             torsion: (shear_per_area * section.polar_moment).named("torsion_stiffness"),
             bending: (stiffness_per_area * section.second_moment).named("bending_stiffness"),
         };
-        let twice_ratio = R::lit(2.0) * cement.damping_ratio;
+        let zero = R::lit(0.0);
         let outermost = cement.moment_contribution * section.radius;
         Bond {
             stiffness,
-            damping: Coefficients {
-                normal: twice_ratio * stiffness.normal.sqrt(),
-                shear: twice_ratio * stiffness.shear.sqrt(),
-                torsion: twice_ratio * stiffness.torsion.sqrt(),
-                bending: twice_ratio * stiffness.bending.sqrt(),
-            },
+            damping: Coefficients { normal: zero, shear: zero, torsion: zero, bending: zero },
             stress_per_force: R::lit(1.0) / section.area,
             stress_per_torsion: outermost / section.polar_moment,
             stress_per_bending: outermost / section.second_moment,

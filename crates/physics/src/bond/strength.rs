@@ -55,25 +55,41 @@ pub fn stress<R: Real>(load: &Modes<R>, bond: &Bond<R>) -> Stress<R> {
     Stress { axial, tensile: (axial + bending).named("tensile_stress"), shear: (shear + torsion).named("shear_stress") }
 }
 
-/// Shear strength under the present axial stress, Pa: $\tau_{lim} = \bar c - (F_n/A)\tan\bar\varphi$. Pressure raises it,
+/// Shear strength under an axial stress of $F_n/A$, Pa: $\tau_{lim} = \bar c - (F_n/A)\tan\bar\varphi$. Pressure raises it,
 /// tension lowers it; without internal friction it is $\bar c$.
 #[inline(always)]
-pub fn shear_limit<R: Real>(stress: &Stress<R>, bond: &Bond<R>) -> R {
-    bond.shear_strength - stress.axial * bond.internal_friction
+pub fn shear_limit<R: Real>(axial: R, bond: &Bond<R>) -> R {
+    bond.shear_strength - axial * bond.internal_friction
 }
 
 /// Whether a bond fails, and how: 0 while it holds, else the code of a [`Failure`]. Tension is asked for first.
 ///
+/// $$\sigma > \sigma_{lim},\qquad \tau > \tau_{lim}$$
+///
+/// with the stresses of [`stress`] and the limits of [`Bond`] and [`shear_limit`].
+///
 /// # Numerics
-/// A stress that is not a number breaks nothing; the force then is none either, and the fault is found.
+/// What bending may add to the axial stress, and shearing to that of torsion, is compared by squares: no root is drawn. A
+/// stress that is not a number breaks nothing; the force then is none either, and the fault is found.
 ///
 /// # References
 /// Potyondy & Cundall (2004); the order and the criterion of Mohr and Coulomb are those of PFC.
 #[inline(always)]
-pub fn failure<R: Real>(stress: &Stress<R>, bond: &Bond<R>) -> R {
-    let sheared = stress.shear.gt(shear_limit(stress, bond));
-    let otherwise = R::select(sheared, R::lit(Failure::Shear.code()), R::lit(0.0));
-    R::select(stress.tensile.gt(bond.tensile_strength), R::lit(Failure::Tension.code()), otherwise).named("failure")
+pub fn failure<R: Real>(load: &Modes<R>, bond: &Bond<R>) -> R {
+    let axial = (load.normal * bond.stress_per_force).named("axial_stress");
+    let bending = load.bending.dot(load.bending) * (bond.stress_per_bending * bond.stress_per_bending);
+    let shear = load.shear.dot(load.shear) * (bond.stress_per_force * bond.stress_per_force);
+    let torsion = load.torsion.abs() * bond.stress_per_torsion;
+    let (holds, sheared) = (R::lit(0.0), R::lit(Failure::Shear.code()));
+    let torn = R::lit(Failure::Tension.code());
+    let otherwise = exceeds(shear, shear_limit(axial, bond) - torsion, sheared, holds);
+    exceeds(bending, bond.tensile_strength - axial, torn, otherwise).named("failure")
+}
+
+/// `then` where the root of `square` is above `limit`, else `otherwise`. Nothing is below a negative limit.
+#[inline(always)]
+fn exceeds<R: Real>(square: R, limit: R, then: R, otherwise: R) -> R {
+    R::select(limit.lt(R::lit(0.0)), then, R::select(square.gt(limit * limit), then, otherwise))
 }
 
 /// A strength of Weibull's distribution: $x = s\,(-\ln(1-u))^{1/m}$, the number that a part $u$ of all bonds stays below.

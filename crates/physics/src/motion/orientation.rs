@@ -36,7 +36,7 @@ impl<R: Real> Quaternion<R> {
     #[inline(always)]
     #[must_use]
     pub fn rotate(self, vector: Vec3<R>) -> Vec3<R> {
-        let twice = self.vector.cross(vector) * R::lit(2.0);
+        let twice = (self.vector * R::lit(2.0)).cross(vector);
         vector + twice * self.scalar + self.vector.cross(twice)
     }
 

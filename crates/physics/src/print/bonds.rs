@@ -9,20 +9,23 @@ use crate::motion::local_damping;
 use crate::motion::orientation::Quaternion;
 use crate::{Real, Vec3};
 
-/// [`Joint::bond`].
+/// [`Joint::bond_of_spheres`].
 #[derive(Clone, Copy, Debug)]
-pub struct BondBetween;
+pub struct BondBetween {
+    /// Whether there are dashpots; masses are looked at if there are.
+    pub damping: Damping,
+}
 
 impl Formula for BondBetween {
     const NAME: &'static str = "bond_between";
-    const INPUTS: &'static [&'static str] = &["joint", "first_radius", "second_radius", "bonded_length", "strength"];
+    const INPUTS: &'static [&'static str] = &["joint", "first", "second", "bonded_length", "strength"];
     const OUTPUTS: &'static [&'static str] = &["bond"];
-    type Input<R: Real> = (Joint<R>, R, R, R, R);
+    type Input<R: Real> = (Joint<R>, Sphere<R>, Sphere<R>, R, R);
     type Output<R: Real> = (Bond<R>,);
 
     #[inline(always)]
     fn apply<R: Real>(&self, (joint, first, second, bonded_length, strength): Self::Input<R>) -> Self::Output<R> {
-        (joint.bond(first, second, bonded_length, strength),)
+        (joint.bond_of_spheres(self.damping, &first, &second, bonded_length, strength),)
     }
 }
 
@@ -66,7 +69,7 @@ impl Formula for BondRest {
 /// [`bond::respond_total`].
 #[derive(Clone, Copy, Debug)]
 pub struct BondTotal {
-    /// Whether there are dashpots; velocities and masses are looked at if there are.
+    /// Whether there are dashpots; velocities are looked at if there are.
     pub damping: Damping,
 }
 
@@ -88,7 +91,7 @@ impl Formula for BondTotal {
 pub struct BondIncremental {
     /// Where the normal force comes from.
     pub tension: Tension,
-    /// Whether there are dashpots; masses are looked at if there are.
+    /// Whether there are dashpots.
     pub damping: Damping,
 }
 

@@ -4,6 +4,7 @@ use super::super::Context;
 use super::super::draft::Draft;
 use super::Given;
 use crate::problem::Problem;
+use crate::schema::RunBonds;
 use std::collections::{BTreeMap, HashMap};
 
 /// Problems of one file that are shown.
@@ -76,6 +77,16 @@ pub(super) fn read(
                 format!("nothing says how `{a}` and `{b}` are bonded"),
                 &help,
             ));
+            continue;
+        }
+        let carries = |index: u32| {
+            let group = &context.loaded.case.particles[usize::from(draft.group[index as usize])];
+            group.run.as_ref().is_some_and(|run| run.bonds == RunBonds::Carry)
+        };
+        if carries(first) || carries(second) {
+            let what = format!("{} and {} cannot be bonded: the bonds of another run go on", ids[0], ids[1]);
+            let help = "bond them in that run, or take its particles with bonds = \"anew\"";
+            problems.push(one("tdem::case::bond-file", what, help));
             continue;
         }
         pairs.push([first, second]);

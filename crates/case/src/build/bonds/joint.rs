@@ -71,13 +71,20 @@ pub(super) fn of(context: &Context<'_>, entry: usize, extents: &[Extent]) -> Res
     if extent.is_empty() {
         return Err(Problem::error(
             "tdem::case::bond-unused",
-            format!(
-                "no particles of `{a}` and `{b}` are bonded: none have surfaces within {} of their mean radius",
-                number(given.gap.get())
-            ),
+            match (&context.loaded.case.bonds.file, given.gap_length) {
+                (Some(_), _) => format!("the file of bonds holds none of `{a}` and `{b}`"),
+                (None, Some(length)) => format!(
+                    "no particles of `{a}` and `{b}` are bonded: none have surfaces within {} m",
+                    number(length.get())
+                ),
+                (None, None) => format!(
+                    "no particles of `{a}` and `{b}` are bonded: none have surfaces within {} of their mean radius",
+                    number(given.gap.get())
+                ),
+            },
         )
         .at(context.loaded.tree.place(&["bond", &entry.to_string(), "between"]), "joins nothing")
-        .help("raise `gap`, place the particles closer together, or remove this [[bond]]"));
+        .help("raise the gap, place the particles closer together, or remove this [[bond]]"));
     }
     let stiffness = stiffness(context, entry, extent)?;
     let multiplier = given.radius_multiplier.get();

@@ -2,6 +2,7 @@
 
 use super::{Bonded, offset};
 use rayon::prelude::*;
+use tdem_engine::physics::bond::Damping;
 use tdem_engine::physics::motion::sphere_inertia;
 use tdem_engine::physics::stability::BondedParticle;
 use tdem_engine::{Constraint, Domain, State};
@@ -45,7 +46,8 @@ impl Vibration {
 impl Bonded {
     /// The fastest that can happen.
     pub(in crate::build) fn vibration(&self, domain: &Domain, state: &State, constraints: &[Constraint]) -> Vibration {
-        let rows = Rows::of(&self.pairs, state.len());
+        let pairs = [self.pairs.as_slice(), &self.carried].concat();
+        let rows = Rows::of(&pairs, state.len());
         (0..state.len())
             .into_par_iter()
             .with_min_len(1024)
@@ -64,17 +66,15 @@ impl Bonded {
         let mut held = BondedParticle::default();
         let mut stiffness = [0.0; 3];
         let inertia = |index: usize| sphere_inertia(state.mass[index], state.radius[index]);
-        let eff = |a: f64, b: f64| a * b / (a + b);
         for partner in partners.iter().map(|&partner| partner as usize) {
             let Some(joint) = self.joint(state, [particle, partner]) else { continue };
             let to = offset(domain, state, [particle, partner]);
             let length = to.dot(to).sqrt();
             let normal = to * (1.0 / length);
             let (here, there) = (state.radius[particle], state.radius[partner]);
-            let bond = joint.bond(here, there, length, 1.0);
-            let masses = eff(state.mass[particle], state.mass[partner]);
-            let inertias = eff(inertia(particle), inertia(partner));
-            held.hold(&bond, normal, length * here / (here + there), [masses, inertias]);
+            let [first, second] = [particle, partner].map(|index| state.sphere(index));
+            let bond = joint.bond_of_spheres(Damping::Viscous, &first, &second, length, 1.0);
+            held.hold(&bond, normal, length * here / (here + there));
             for (sum, cosine) in stiffness.iter_mut().zip([normal.x, normal.y, normal.z]) {
                 *sum += bond.stiffness.shear + (bond.stiffness.normal - bond.stiffness.shear) * cosine * cosine;
             }

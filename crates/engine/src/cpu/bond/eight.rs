@@ -2,6 +2,7 @@
 
 use super::{Rows, Scene};
 use crate::BondHistory;
+use crate::bond::only_bond;
 use crate::cpu::bodies::Quad;
 use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
 use tdem_physics::bond::{
@@ -46,7 +47,7 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
     let mut failed = Vec::new();
     let slots = rows.slots();
     let period = lanes_period(scene);
-    let alike = scene.alike.as_ref().map(splat_bond::<R>);
+    let only = scene.alike.and_then(only_bond).as_ref().map(splat_bond::<R>);
     let zero = R::lit(0.0);
     for base in slots.clone().step_by(WIDTH) {
         let width = WIDTH.min(slots.end - base);
@@ -57,7 +58,7 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
         ask_ahead(scene, base + AHEAD);
         let ends = load_ends::<R>(scene, period.as_ref(), &group);
         let bonded_offset = R::load_triples(scene.offset, &group.slot);
-        let bond = numbers(scene, alike, &group, &ends, bonded_offset);
+        let bond = numbers(scene, only, &group, &ends, bonded_offset);
         let (history, reaction) = respond(scene, rows, &group, &ends, bonded_offset, &bond);
         let fails = if scene.step > 0.0 { group.active & R::bits(reaction.failure.gt(zero)) } else { 0 };
         for l in (0..WIDTH).filter(|l| fails >> l & 1 != 0) {
@@ -256,7 +257,7 @@ fn quads<R: Eight>(v: Vec3<R>) -> [[f64; 4]; WIDTH] {
 #[inline(always)]
 fn numbers<R: Eight>(
     scene: &Scene<'_>,
-    alike: Option<Bond<R>>,
+    only: Option<Bond<R>>,
     group: &Group,
     ends: &Ends<R>,
     bonded_offset: Vec3<R>,
@@ -266,11 +267,14 @@ fn numbers<R: Eight>(
         strength[l] = scene.strength[group.slot[l] as usize];
     }
     let strength = R::from_array(strength);
-    if let Some(bond) = alike {
+    if let Some(bond) = only {
         return bond.with_strength_times(strength);
     }
+    if let Some(table) = scene.alike {
+        return gather_bonds(scene, table, group).with_strength_times(strength);
+    }
     let length = bonded_offset.dot(bonded_offset).sqrt();
-    gather_joints(scene, group).bond(ends.first.radius, ends.second.radius, length, strength)
+    gather_joints(scene, group).bond_of_spheres(scene.law.damping, &ends.first, &ends.second, length, strength)
 }
 
 #[inline(always)]
@@ -294,6 +298,46 @@ fn splat_coefficients<R: Eight>(one: &Coefficients<f64>) -> Coefficients<R> {
         shear: R::lit(one.shear),
         torsion: R::lit(one.torsion),
         bending: R::lit(one.bending),
+    }
+}
+
+/// The numbers of eight bonds of a table.
+#[inline(always)]
+fn gather_bonds<R: Eight>(scene: &Scene<'_>, table: &[Bond<f64>], group: &Group) -> Bond<R> {
+    let mut parts = [[0.0; WIDTH]; 14];
+    for l in 0..WIDTH {
+        let bond = &table[scene.materials_of(group.i[l] as usize, group.j[l] as usize)];
+        let [spring, dashpot] = [&bond.stiffness, &bond.damping].map(|c| [c.normal, c.shear, c.torsion, c.bending]);
+        let stresses = [bond.stress_per_force, bond.stress_per_torsion, bond.stress_per_bending];
+        let limits = [bond.tensile_strength, bond.shear_strength, bond.internal_friction];
+        for k in 0..4 {
+            parts[k][l] = spring[k];
+            parts[4 + k][l] = dashpot[k];
+        }
+        for k in 0..3 {
+            parts[8 + k][l] = stresses[k];
+            parts[11 + k][l] = limits[k];
+        }
+    }
+    Bond {
+        stiffness: coefficients_from(&parts, 0),
+        damping: coefficients_from(&parts, 4),
+        stress_per_force: R::from_array(parts[8]),
+        stress_per_torsion: R::from_array(parts[9]),
+        stress_per_bending: R::from_array(parts[10]),
+        tensile_strength: R::from_array(parts[11]),
+        shear_strength: R::from_array(parts[12]),
+        internal_friction: R::from_array(parts[13]),
+    }
+}
+
+#[inline(always)]
+fn coefficients_from<R: Eight>(parts: &[[f64; WIDTH]; 14], at: usize) -> Coefficients<R> {
+    Coefficients {
+        normal: R::from_array(parts[at]),
+        shear: R::from_array(parts[at + 1]),
+        torsion: R::from_array(parts[at + 2]),
+        bending: R::from_array(parts[at + 3]),
     }
 }
 

@@ -140,12 +140,15 @@ DEVICE void kick_angular_velocity(Sphere *body, const Vec3 moment, const Constra
 #define INTERACTION(first, second)  interactions[(first) * step.materials + (second)]
 #endif
 
-// Where all particles are alike, a partner is as large and heavy as the particle itself: what follows from that is
+// Where all particles are alike, a partner is as large, or as heavy, as the particle itself: what follows from that is
 // computed once for all partners.
-#if ONE_SIZE
+#if ONE_RADIUS
 #define RADIUS_OF_PARTNER(place)  body.radius
-#define MASS_OF_PARTNER(motion)   body.mass
 #else
 #define RADIUS_OF_PARTNER(place)  (place).w
+#endif
+#if ONE_MASS
+#define MASS_OF_PARTNER(motion)   body.mass
+#else
 #define MASS_OF_PARTNER(motion)   (motion).w
 #endif

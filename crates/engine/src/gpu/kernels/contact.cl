@@ -243,8 +243,14 @@ kernel contact
 #if LEDGER
             Quad account = accounts[i];
 #endif
-#if BONDS
-            sum_bonds(step, i, body, place, motion, spin, orientation, bonded_place, kind, rank, interactions, joints,
+#if BONDS_APART
+            sum_reactions(step, i, bond_number, reaction,
+#if LEDGER && BOND_DASHPOTS
+                          bond_lost, &account,
+#endif
+                          &bond_force, &bond_moment);
+#elif BONDS
+            sum_bonds(step, i, body, place, motion, spin, orientation, bonded_place, kind, rank, interactions, joints, beams,
                       slice, other, bond_other, bond_start, bond_strength, broken, released,
 #if LEDGER
                       kick_by_half, twist_by_half, &account,

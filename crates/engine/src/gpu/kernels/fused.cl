@@ -23,9 +23,13 @@ kernel fused
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS
                 body.orientation = quaternion(LOAD(orientation, i));
+#if BONDS_APART
+                sum_reactions(step, i, bond_number, reaction, &bond_force, &bond_moment);
+#else
                 sum_bonds(step, i, body.sphere, place, motion, spin, orientation, bonded_place, kind, rank, interactions,
-                          joints, slice, other, bond_other, bond_start, bond_strength, broken, released, &bond_force,
+                          joints, beams, slice, other, bond_other, bond_start, bond_strength, broken, released, &bond_force,
                           &bond_moment);
+#endif
 #endif
                 u32 wrong = sum_contacts(step, i, body.sphere, MATERIAL_OF(mine), place, motion, spin, kind, interactions,
                                          slice, other, displacement, walls, wall_place, bond_force, bond_moment, &f, &m);
