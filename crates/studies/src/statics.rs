@@ -30,7 +30,7 @@ mod gradients;
 use rayon::prelude::*;
 use tdem_engine::physics::bond::Coefficients;
 use tdem_engine::physics::{Vec3, vec3};
-use tdem_engine::{Plan, State};
+use tdem_engine::{Constraint, Driven, Plan, State};
 
 /// Along x, y, z and about x, y, z: displacement and rotation (m, rad), or force and moment (N, N m).
 pub type Six = [f64; 6];
@@ -105,19 +105,42 @@ impl Boundary {
         Boundary { held: vec![[None; 6]; particles], loads: vec![[0.0; 6]; particles] }
     }
 
-    /// The constraints of a plan: each prescribed component as far as its rate takes it in a time, s.
+    /// The constraints of a plan after a time, s: each prescribed component as far as its rate has taken it, and the forces
+    /// applied then.
     #[must_use]
     pub fn of_plan(state: &State, plan: &Plan, duration: f64) -> Self {
         let mut boundary = Boundary::free(state.len());
-        for (held, &constraint) in boundary.held.iter_mut().zip(&state.constraint) {
-            let constraint = &plan.constraints[usize::from(constraint)];
-            for k in 0..3 {
-                held[k] = constraint.velocity[k].map(|rate| rate * duration);
-                held[3 + k] = constraint.angular_velocity[k].map(|rate| rate * duration);
-            }
+        let (ways, then) = (ways(plan, duration), plan.constraints_at(duration));
+        for (k, &constraint) in state.constraint.iter().enumerate() {
+            let constraint = usize::from(constraint);
+            boundary.held[k] = ways[constraint];
+            boundary.loads[k][..3].copy_from_slice(&then[constraint].force);
         }
         boundary
     }
+}
+
+/// How far each constraint takes a particle in a time, m and rad.
+fn ways(plan: &Plan, duration: f64) -> Vec<[Option<f64>; 6]> {
+    let constant = |constraint: &Constraint| {
+        let Constraint { velocity: [x, y, z], angular_velocity: [a, b, c], .. } = *constraint;
+        [x, y, z, a, b, c].map(|rate| rate.map(|rate| rate * duration))
+    };
+    let mut ways: Vec<_> = plan.constraints.iter().map(constant).collect();
+    for ramp in &plan.ramps {
+        let component = match ramp.drives {
+            Driven::Velocity => ramp.axis,
+            Driven::AngularVelocity => 3 + ramp.axis,
+            Driven::Force => continue,
+        };
+        // Straight between these times.
+        let mut times = vec![0.0];
+        times.extend(ramp.points.iter().map(|point| point[0]).filter(|time| (0.0..duration).contains(time)));
+        times.push(duration);
+        let piece = |ends: &[f64]| 0.5 * (ends[1] - ends[0]) * (ramp.value(ends[0]) + ramp.value(ends[1]));
+        ways[usize::from(ramp.constraint)][component] = Some(times.windows(2).map(piece).sum());
+    }
+    ways
 }
 
 /// An assembly at rest.
@@ -220,5 +243,23 @@ impl Assembly {
             (0..6).for_each(|k| reaction[k] = -reaction[k] - load[k]);
         }
         Ok(Solution { displacement, reaction, iterations })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn a_ramp_moves_as_far_as_the_area_under_it() {
+        let text = include_str!("../../../cases/tension.toml");
+        let ramp = ("zone.1.prescribed.y".to_owned(), "[[1.0e-4, 0.0], [3.0e-4, 0.05]]".to_owned());
+        let built = tdem_case::parse("tension.toml", text, Path::new("."), &[ramp]).unwrap().build().unwrap();
+        for (duration, way) in [(0.5e-4, 0.0), (2e-4, 0.5 * 1e-4 * 0.025), (4e-4, 0.5 * 2e-4 * 0.05 + 1e-4 * 0.05)] {
+            let boundary = Boundary::of_plan(&built.state, &built.plan, duration);
+            let farthest = boundary.held.iter().filter_map(|held| held[1]).fold(0.0, f64::max);
+            assert!((farthest - way).abs() < 1e-18, "{duration}: {farthest} instead of {way}");
+        }
     }
 }

@@ -437,6 +437,8 @@ fn alone(state: &State, plan: &Plan, extent: &[[f64; 2]; 3]) -> (State, Plan) {
     plan.walls.clear();
     plan.gravity = [0.0; 3];
     plan.constraints = vec![Constraint::FREE];
+    plan.ramps.clear();
+    plan.gauges.clear();
     plan.ledger = false;
     plan.integrator = tdem_engine::Integrator::VelocityVerlet;
     let room = extent.map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);

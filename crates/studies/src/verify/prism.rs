@@ -68,6 +68,7 @@ impl Prism {
             ("particles.0.lattice.radius", format!("{:.12}", constant / 8.0_f64.sqrt())),
             ("particles.0.lattice.cells", format!("[{across}, {along}, {across}]")),
             ("zone.1.box.min", format!("[-0.01, {grip:.9}, -0.01]")),
+            ("zone.1.prescribed.y", "0.05".to_owned()),
         ];
         let changes = changes.iter().map(|&(key, value)| (key.to_owned(), value.to_owned()));
         let overrides: Vec<(String, String)> =
