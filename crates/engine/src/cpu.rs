@@ -21,7 +21,7 @@ mod wide;
 
 use crate::step::{Backend, Stages, step};
 use crate::{Capture, Fault, Plan, Profile, State};
-pub(crate) use bodies::Quad;
+pub(crate) use bodies::{Quad, second_derivative};
 pub(crate) use grid::class_of;
 pub(crate) use neighbours::indices_by_rank;
 pub(crate) use pieces::split;
@@ -187,7 +187,7 @@ impl Backend for Cpu {
             self.neighbours.displacement = displacement;
             self.neighbours.restore_wall_displacements(&wall_displacement);
             self.bodies.accounts = accounts;
-            self.bodies.start_derivatives(self.plan.dt);
+            self.bodies.start_derivatives(&self.plan);
             Ok(())
         })
     }

@@ -12,7 +12,7 @@ use tdem_engine::{
 const INTEGRATORS: [Integrator; 2] = [Integrator::VelocityVerlet, Integrator::Gear];
 
 fn advance(state: &State, plan: &Plan, steps: u64) -> State {
-    let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).expect("the scene is sound");
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), Options::default()).expect("the scene is sound");
     simulation.advance(steps).expect("the scene runs through");
     simulation.state().expect("a state can be taken")
 }
@@ -80,7 +80,7 @@ fn a_ramp_goes_as_far_as_its_integral() {
         // The corners are those of steps 100 and 300.
         let corners = [100, 300].map(|step| plan.time(step));
         plan.ramps = vec![ramp(Driven::Velocity, &[[0.0, 0.0], [corners[0], 0.02], [corners[1], -0.01]])];
-        let mut simulation = Simulation::new(state.clone(), plan.clone(), &Options::default()).expect("it is sound");
+        let mut simulation = Simulation::new(state.clone(), plan.clone(), Options::default()).expect("it is sound");
         let mut went = [0.0; 3];
         for (k, went) in went.iter_mut().enumerate() {
             simulation.advance([100, 200, 50][k]).expect("it runs through");
@@ -125,7 +125,7 @@ fn a_sudden_force_overshoots_by_a_factor_of_two_and_its_work_is_booked() {
         plan.dt = 1e-6;
         plan.gauges =
             vec![Gauge { name: "mass".into(), measure: Measure::Of(Group::at_start(Arc::from([1]), &state, &plan)) }];
-        let mut simulation = Simulation::new(state, plan.clone(), &Options::default()).expect("the scene is sound");
+        let mut simulation = Simulation::new(state, plan.clone(), Options::default()).expect("the scene is sound");
         let (mut farthest, mut first_force) = (0.0_f64, None);
         for _ in 0..150 {
             let now = simulation.state().expect("a state can be taken");
@@ -195,7 +195,7 @@ fn ramps_that_drive_nothing_or_go_back_in_time_are_refused() {
         Ramp { constraint: 7, ..ramp(Driven::Force, &[[0.0, 1.0]]) },
     ] {
         let plan = Plan { ramps: vec![ramp], ..plan.clone() };
-        let refused = Simulation::new(state.clone(), plan, &Options::default());
+        let refused = Simulation::new(state.clone(), plan, Options::default());
         assert!(matches!(refused, Err(Fault::Inconsistent { .. })));
     }
 }

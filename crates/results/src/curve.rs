@@ -129,8 +129,8 @@ fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// A number at a grid line: as many digits as tell it from the next.
-fn label(value: &f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(*value);
+fn label(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     match rounded.abs() {
         0.0 => "0".to_owned(),
         1e-3..1e6 => format!("{rounded}"),
@@ -177,8 +177,8 @@ fn paint<B: DrawingBackend>(
         .axis_style(BLACK)
         .x_labels(9)
         .y_labels(9)
-        .x_label_formatter(&label)
-        .y_label_formatter(&label)
+        .x_label_formatter(&|value| label(*value))
+        .y_label_formatter(&|value| label(*value))
         .label_style((FONT, 17))
         .axis_desc_style((FONT, 19))
         .x_desc(x_title)
@@ -199,7 +199,8 @@ mod tests {
     #[test]
     fn a_curve_has_its_axes_titles_and_points() {
         let folder = tempfile::tempdir().unwrap();
-        let rows: String = (0..50).map(|k| format!("{k},{}e-6,{}\n", k, -3 * k * (60 - k))).collect();
+        let rows: Vec<String> = (0..50).map(|k| format!("{k},{k}e-6,{}\n", -3 * k * (60 - k))).collect();
+        let rows = rows.concat();
         fs::write(folder.path().join(HISTORY), format!("step,grip_displacement_y,grip_force_y\n{rows}")).unwrap();
         let curve = Curve {
             name: "pull".into(),
@@ -238,7 +239,7 @@ mod tests {
 
     #[test]
     fn labels_are_short() {
-        let shown = [0.0, 0.30000000000000004, -1250.0, 2.5e-7, 3e9].map(|value| label(&value));
+        let shown = [0.0, 0.300_000_000_000_000_04, -1250.0, 2.5e-7, 3e9].map(label);
         assert_eq!(shown, ["0", "0.3", "-1250", "2.5e-7", "3e9"]);
         assert_eq!([3e4, 0.5, 2e-5, 0.0].map(|largest| prefix(largest).0), ["k", "m", "\u{b5}", ""]);
     }

@@ -58,7 +58,9 @@ impl Row {
         };
         HISTORY.iter().chain(of_bonds).for_each(|quantity| add((quantity.values)(self)));
         for (_, reading) in &self.gauges {
-            of_gauge(reading).iter().for_each(|quantity| add((quantity.values)(reading)));
+            for quantity in of_gauge(reading) {
+                add((quantity.values)(reading));
+            }
         }
         cells.join(",")
     }

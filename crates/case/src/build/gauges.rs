@@ -3,7 +3,7 @@
 use super::Context;
 use super::draft::Draft;
 use crate::problem::Problem;
-use crate::schema::Case;
+use crate::schema::{self, Case};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tdem_engine::{Gauge, Group, Measure, Plan, State};
@@ -14,7 +14,7 @@ pub(super) type Watched<'c> = BTreeMap<&'c str, Arc<[u32]>>;
 /// The particles of each group or zone that is watched; `zones` holds indices into the draft.
 pub(super) fn members<'c>(case: &'c Case, draft: &Draft, zones: &[Vec<u32>]) -> Watched<'c> {
     let mut watched = Watched::new();
-    for name in case.gauge.iter().flat_map(|gauge| gauge.watched()) {
+    for name in case.gauge.iter().flat_map(schema::Gauge::watched) {
         let mut ids: Vec<u32> = if let Some(zone) = case.zone.iter().position(|zone| zone.name == name) {
             zones[zone].iter().map(|&member| draft.state.id[member as usize]).collect()
         } else {
@@ -30,7 +30,7 @@ pub(super) fn members<'c>(case: &'c Case, draft: &Draft, zones: &[Vec<u32>]) -> 
 /// The gauges of a case, and pairs of groups that lie in the same place.
 pub(super) fn gauges(
     context: &Context<'_>,
-    watched: Watched<'_>,
+    watched: &Watched<'_>,
     state: &State,
     plan: &Plan,
 ) -> (Vec<Gauge>, Vec<Problem>) {

@@ -164,7 +164,7 @@ impl Loaded {
         plan.ramps = ramps;
         let watched = gauges::members(case, &draft, &zones);
         let state = draft.finish(&context, &plan, bonds);
-        let (gauges, coincident) = gauges::gauges(&context, watched, &state, &plan);
+        let (gauges, coincident) = gauges::gauges(&context, &watched, &state, &plan);
         plan.gauges = gauges;
         problems.extend(coincident);
         let schedule = schedule(case, plan.dt);

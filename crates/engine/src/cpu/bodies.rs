@@ -1,6 +1,7 @@
 //! The particles in working order.
 
-use crate::{Integrator, Plan, State};
+use super::correct::hold;
+use crate::{Constraint, Integrator, Plan, State};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use tdem_physics::contact::Sphere;
@@ -128,12 +129,12 @@ impl Bodies {
         take(&mut self.twist, order);
     }
 
-    /// Gear's second derivative from the forces of a fresh state; the higher ones stay 0.
-    pub(crate) fn start_derivatives(&mut self, dt: f64) {
-        let half_square = 0.5 * dt * dt;
+    /// Gear's second derivative from the forces of a fresh state, none of prescribed components; the higher ones are what
+    /// the state says.
+    pub(crate) fn start_derivatives(&mut self, plan: &Plan) {
         for (i, derivatives) in self.derivatives.iter_mut().enumerate() {
-            let force = self.force[i].vector();
-            derivatives[0] = (force * (half_square / self.motion[i].scalar())).into();
+            let constraint = &plan.constraints[usize::from(self.constraint[i])];
+            derivatives[0] = second_derivative(&self.force[i], &self.motion[i], constraint, plan.dt);
         }
     }
 
@@ -171,6 +172,12 @@ impl Bodies {
             + size(&self.kick)
             + size(&self.twist)
     }
+}
+
+/// $\mathbf r_2 = \frac{\Delta t^2}{2m}\mathbf F$, m, but 0 in components that are prescribed.
+pub(crate) fn second_derivative(force: &Quad, motion: &Quad, constraint: &Constraint, dt: f64) -> [f64; 3] {
+    let free = force.vector() * (0.5 * dt * dt / motion.scalar());
+    hold(free, Vec3::zero(), &constraint.velocity).into()
 }
 
 #[inline(always)]

@@ -10,7 +10,7 @@
 //! | bond | place, orientation, rows of bonds; with dashpots motion, spin | sums of bonds, reaction | what bonds remember |
 //! | contact | place, motion, spin, kick, twist, material, rows; with a ledger rank | force, moment, reaction | touching, displacement, accounts |
 //! | gather | incoming, touching, reaction; sums of bonds | | force, moment, wall slots |
-//! | boundary | motion, constraint; with ramps, moments and a ledger place | | force |
+//! | boundary | motion; with a ledger or applied forces constraint; with ramps, moments and a ledger place | | force |
 //! | correct | force, moment, constraint; under Verlet place, for moments | | motion, spin, derivatives; under Gear place |
 //!
 //! Arrays that a plan does without are empty and count nothing.
@@ -118,7 +118,10 @@ impl Cpu {
             + sums_of_bonds
             + 2 * (sums + size(&list.wall_slots));
         let turned = self.plan.ledger && law.moments && !self.plan.ramps.is_empty();
-        let boundary = size(&b.motion) + held + 2 * size(&b.force) + if turned { size(&b.place) } else { 0 };
+        let boundary = size(&b.motion)
+            + 2 * size(&b.force)
+            + if self.plan.ledger || self.plan.applies_forces() { held } else { 0 }
+            + if turned { size(&b.place) } else { 0 };
         let place = if gear {
             2 * size(&b.place)
         } else if law.moments {

@@ -10,6 +10,7 @@ use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
 use super::search::{Histories, Rows, Scratch};
+use crate::cpu::second_derivative;
 use crate::{Fault, Integrator, Plan, State};
 use std::collections::VecDeque;
 use tdem_physics::contact::Friction;
@@ -428,14 +429,18 @@ impl<R: Runtime> Gpu<R> {
         Ok(())
     }
 
-    /// Gear's second derivative from the forces of a fresh state; the higher ones are what the state says.
+    /// Gear's second derivative from the forces of a fresh state, none of prescribed components; the higher ones are what the
+    /// state says.
     fn start_derivatives(&mut self) -> Result<(), Error> {
         let n = self.particles;
         let force = self.queue.read(&self.halves[1 - self.now].place, n)?;
         let motion = self.queue.read(&self.halves[self.now].motion, n)?;
-        let half_square = 0.5 * self.plan.dt * self.plan.dt;
-        let second = force.iter().zip(&motion).map(|(f, m)| f.vector() * (half_square / m.scalar()));
-        let second: Vec<[f64; 3]> = second.map(Into::into).collect();
+        let kind = self.queue.read(&self.fields.kind, n)?;
+        let constraint = |kind: u32| &self.plan.constraints[(kind >> 16) as usize];
+        let second = force.iter().zip(&motion).zip(&kind);
+        let second =
+            second.map(|((force, motion), &kind)| second_derivative(force, motion, constraint(kind), self.plan.dt));
+        let second: Vec<[f64; 3]> = second.collect();
         for (k, derivatives) in self.fields.derivatives.iter().enumerate() {
             let mut of_coordinate = self.queue.read(derivatives, n)?;
             for (derivatives, second) in of_coordinate.iter_mut().zip(&second) {

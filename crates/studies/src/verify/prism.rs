@@ -85,9 +85,10 @@ impl Prism {
         };
         let stiffest = all.clone().map(stiff).fold(0.0, f64::max);
         let steel = all.clone().filter(|&k| stiff(k) == stiffest).count() as f64 / all.len() as f64;
-        let pulled = |k: &usize| scene.state.velocity[*k][1] > 0.0;
+        let pulled = |k: &usize| scene.plan.ramps.iter().any(|ramp| ramp.constraint == scene.state.constraint[*k]);
         let bar: Vec<usize> = all.clone().filter(pulled).collect();
         let end = all.filter(|&k| scene.state.position[k][1] > grip).collect();
+        scene.plan.ramps.clear();
         scene.pull(&bar, 0.0);
         Ok(Prism { scene, constant, bar, end, steel })
     }

@@ -24,7 +24,9 @@ pub(super) fn check(context: &Context<'_>, draft: &Draft, given: &Given, pairs: 
     let on_lattice: Vec<bool> =
         pairs.par_iter().map(|&pair| is_diagonal(context, draft, pair.map(|index| index as usize))).collect();
     for (&pair, on_lattice) in pairs.iter().zip(on_lattice) {
-        pair.into_iter().for_each(|index| of_particle[index as usize] += 1);
+        for index in pair {
+            of_particle[index as usize] += 1;
+        }
         if let Some(entry) = entry_of(pair) {
             bonds[entry][0] += 1;
             bonds[entry][1] += usize::from(!on_lattice);
