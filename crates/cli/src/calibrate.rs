@@ -17,7 +17,7 @@ use tdem_studies::uniaxial::{Error as Untested, Specimen};
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The case: its particles and one [[bond]]
+    /// The case: its particles and one `[[bond]]`
     #[arg(value_name = "CASE.toml")]
     case: PathBuf,
     /// Young's modulus that is to come out, Pa

@@ -394,7 +394,7 @@ pub struct Run {
     #[serde(default)]
     #[schemars(extend("x-unit" = "m"))]
     pub offset: [f64; 3],
-    /// "anew": particles are bonded as they lie now, as [[bond]] says, and that run's bonds are forgotten. "carry": that
+    /// "anew": particles are bonded as they lie now, as `[[bond]]` says, and that run's bonds are forgotten. "carry": that
     /// run's bonds go on, loaded as they are; what broke stays unbonded, and these particles are bonded to no others.
     #[serde(default)]
     pub bonds: RunBonds,
