@@ -10,7 +10,7 @@ use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::{Damping, Form, Joint};
 use tdem_engine::physics::motion::sphere_inertia;
 use tdem_engine::physics::stability::BondedParticle;
-use tdem_engine::{BondPlan, Constraint, Fault, Plan, Simulation, State};
+use tdem_engine::{Constraint, Fault, Plan, Simulation, State};
 
 /// Why a specimen cannot be tested.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -73,6 +73,8 @@ impl Sense {
 pub struct Specimen {
     state: State,
     plan: Plan,
+    /// What its bonds are made of.
+    joint: Joint<f64>,
     axis: usize,
     /// Particles of the lower and of the upper grip.
     grips: [Vec<usize>; 2],
@@ -131,10 +133,11 @@ impl Specimen {
             return Err(Error::Periodic);
         }
         let assembly = Assembly::of(state, plan).map_err(|_| Error::NoBonds)?;
-        let kinds = bonded_materials(state).len();
-        if kinds > 1 {
-            return Err(Error::SeveralKinds { kinds });
+        let kinds = bonded_materials(state);
+        if kinds.len() > 1 {
+            return Err(Error::SeveralKinds { kinds: kinds.len() });
         }
+        let joint = *kinds.first().and_then(|&[a, b]| plan.joint(a, b)).ok_or(Error::NoBonds)?;
         let extent = extent(state);
         let [low, high] = extent[axis];
         let diameter = 2.0 * state.radius.iter().sum::<f64>() / state.len() as f64;
@@ -154,25 +157,19 @@ impl Specimen {
         let across = |k: usize| extent[(axis + k) % 3][1] - extent[(axis + k) % 3][0];
         let section = section.unwrap_or(across(1) * across(2));
         let (state, plan) = alone(state, plan, &extent);
-        Ok(Specimen { state, plan, axis, grips, middle, extent, section, rate: 1.0 })
+        Ok(Specimen { state, plan, joint, axis, grips, middle, extent, section, rate: 1.0 })
     }
 
     /// What its bonds are made of.
     #[must_use]
     pub fn joint(&self) -> Joint<f64> {
-        let mut joints = self.bonds().flat_map(|bonds| bonds.joints.iter().flatten());
-        let first = self.state.bonds.first().and_then(|bond| {
-            let [i, j] = [bond.first, bond.second].map(|id| self.state.index_of(id).unwrap_or(0));
-            self.plan.joint(self.state.material[i], self.state.material[j])
-        });
-        // A specimen has bonds, and they have a joint.
-        *first.or_else(|| joints.next()).unwrap_or(&NO_JOINT)
+        self.joint
     }
 
     /// The same with bonds of another kind.
     #[must_use]
     pub fn with(&self, joint: Joint<f64>) -> Self {
-        let mut changed = self.clone();
+        let mut changed = Specimen { joint, ..self.clone() };
         if let Some(bonds) = &mut changed.plan.bonds {
             bonds.joints.iter_mut().flatten().for_each(|each| *each = joint);
         }
@@ -183,10 +180,6 @@ impl Specimen {
     #[must_use]
     pub fn at_rate(&self, factor: f64) -> Self {
         Specimen { rate: factor, ..self.clone() }
-    }
-
-    fn bonds(&self) -> impl Iterator<Item = &BondPlan> {
-        self.plan.bonds.iter()
     }
 
     /// Its particles and bonds.
@@ -366,7 +359,7 @@ impl Specimen {
             let offset = Vec3::from(state.position[j]) - Vec3::from(state.position[i]);
             let length = offset.dot(offset).sqrt();
             let radii = [state.radius[i], state.radius[j]];
-            let numbers = self.joint().bond(radii[0], radii[1], length, 1.0);
+            let numbers = self.joint.bond(radii[0], radii[1], length, 1.0);
             for (k, radius) in [(i, radii[0]), (j, radii[1])] {
                 let arm = length * radius / (radii[0] + radii[1]);
                 particles[k].hold(&numbers, offset * (1.0 / length), arm);
@@ -376,20 +369,6 @@ impl Specimen {
         (0..state.len()).map(of).fold(f64::INFINITY, f64::min)
     }
 }
-
-const NO_JOINT: Joint<f64> = Joint {
-    cement: tdem_engine::physics::bond::Cement {
-        stiffness_ratio: 0.0,
-        radius_multiplier: 1.0,
-        tensile_strength: 0.0,
-        shear_strength: 0.0,
-        internal_friction: 0.0,
-        moment_contribution: 0.0,
-        damping_ratio: 0.0,
-    },
-    stiffness_per_area: 0.0,
-    young_modulus: 0.0,
-};
 
 /// Pairs of materials that are bonded.
 fn bonded_materials(state: &State) -> BTreeSet<[u16; 2]> {
