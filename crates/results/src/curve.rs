@@ -128,8 +128,10 @@ fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
     low - margin..high + margin
 }
 
-/// A number at a grid line: as many digits as tell it from the next.
-fn label(value: f64) -> String {
+/// A number at a grid line: as many digits as tell it from the next. What is far less than the length of the axis is 0 that
+/// was not met.
+fn label(value: f64, length: f64) -> String {
+    let value = if value.abs() < 1e-9 * length { 0.0 } else { value };
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     match rounded.abs() {
         0.0 => "0".to_owned(),
@@ -164,6 +166,7 @@ fn paint<B: DrawingBackend>(
     const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
     const LINE: RGBColor = RGBColor(0x1f, 0x4e, 0x8c);
     area.fill(&WHITE)?;
+    let [length, height] = [&x, &y].map(|axis| axis.end - axis.start);
     let mut chart = ChartBuilder::on(area)
         .margin(18)
         .margin_right(36)
@@ -177,8 +180,8 @@ fn paint<B: DrawingBackend>(
         .axis_style(BLACK)
         .x_labels(9)
         .y_labels(9)
-        .x_label_formatter(&|value| label(*value))
-        .y_label_formatter(&|value| label(*value))
+        .x_label_formatter(&|value| label(*value, length))
+        .y_label_formatter(&|value| label(*value, height))
         .label_style((FONT, 17))
         .axis_desc_style((FONT, 19))
         .x_desc(x_title)
@@ -239,8 +242,9 @@ mod tests {
 
     #[test]
     fn labels_are_short() {
-        let shown = [0.0, 0.300_000_000_000_000_04, -1250.0, 2.5e-7, 3e9].map(label);
+        let shown = [0.0, 0.300_000_000_000_000_04, -1250.0, 2.5e-7, 3e9].map(|value| label(value, 1.0));
         assert_eq!(shown, ["0", "0.3", "-1250", "2.5e-7", "3e9"]);
+        assert_eq!([6.8e-21, -5e-5].map(|value| label(value, 2e-4)), ["0", "-5e-5"]);
         assert_eq!([3e4, 0.5, 2e-5, 0.0].map(|largest| prefix(largest).0), ["k", "m", "\u{b5}", ""]);
     }
 }
