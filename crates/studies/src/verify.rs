@@ -107,7 +107,7 @@ pub enum Kind {
     Conservation,
     /// What may not depend on how the machine works or how space is turned.
     Invariance,
-    /// What random packings show within their scatter.
+    /// What random packings, and bodies that tear, show within their scatter.
     Statistical,
 }
 

@@ -129,7 +129,7 @@ fn speed(scene: &Scene, steps: f64) -> f64 {
 fn brazilian(bench: &mut Bench) -> Result<(), Fault> {
     let (across, thick) = (14_usize, 3_usize);
     // Without lateral strain: else bonds across the disc feel the pressure between the jaws as tension, and a lattice
-    // splits at 0.4 of its direct strength.
+    // splits far below its direct strength, as `cases/brazilian.toml` shows.
     let joint = brittle(1.0, 10.0);
     let mut scene = scene(Form::Total, joint, 0.15);
     let centre = 0.5 * (2 * across - 1) as f64;
@@ -153,7 +153,7 @@ fn brazilian(bench: &mut Bench) -> Result<(), Fault> {
     let open = 1.0 - 0.25 * a / diameter - 0.25 * a / thickness;
     let splitting = 2.0 * force / (std::f64::consts::PI * diameter * thickness * open);
     let ratio = splitting / direct(bench, joint)?;
-    bench.judge("splitting over direct strength", "1", ratio, Kind::Published.within(1.05, 0.25));
+    bench.judge("splitting over direct strength", "1", ratio, Kind::Statistical.within(1.05, 0.25));
     Ok(())
 }
 
@@ -179,7 +179,7 @@ fn bending(bench: &mut Bench) -> Result<(), Fault> {
     let open = 1.0 - 0.25 / 3.0 - 0.25 / 4.0;
     let flexural = 1.5 * force * span / (width * depth * depth * open);
     let ratio = flexural / direct(bench, joint)?;
-    bench.judge("flexural over direct strength", "1", ratio, Kind::Published.within(1.3, 0.3));
+    bench.judge("flexural over direct strength", "1", ratio, Kind::Statistical.within(1.3, 0.3));
     Ok(())
 }
 
