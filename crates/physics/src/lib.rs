@@ -6,6 +6,7 @@
 //!
 //! * [`contact`] two bodies that touch: normal force, damping, friction with history, moments
 //! * [`bond`] two bodies that are bonded: beams that stretch, shear, twist, bend and break
+//! * [`heat`] bodies that conduct heat, exchange it with their surroundings, and grow
 //! * [`motion`] how a particle moves under a force: velocity Verlet, Gear, orientations
 //! * [`stability`] how large a time step may be
 //! * [`print`](mod@print) all of these as C
@@ -16,6 +17,7 @@
 
 pub mod bond;
 pub mod contact;
+pub mod heat;
 pub mod material;
 pub mod motion;
 pub mod print;
