@@ -183,7 +183,8 @@ impl State {
         let numbers = |i: usize, j: usize| {
             let offset = self.bonded_offset(plan, i, j);
             let joint = plan.joint(self.material[i], self.material[j])?;
-            Some(joint.bond_of_spheres(law.damping, &self.sphere(i), &self.sphere(j), offset.dot(offset).sqrt(), 1.0))
+            let [first, second] = [i, j].map(|k| self.bonded_sphere(k));
+            Some(joint.bond_of_spheres(law.damping, &first, &second, offset.dot(offset).sqrt(), 1.0))
         };
         let mut table = vec![None; plan.materials * plan.materials];
         for (i, j, places) in self.bonds.iter().map(pair) {

@@ -72,11 +72,13 @@ impl State {
         let bonded_offset = self.bonded_offset(plan, i, j);
         let bonded_length = bonded_offset.dot(bonded_offset).sqrt();
         let joint = plan.joint(self.material[i], self.material[j])?;
-        let numbers = joint.bond_of_spheres(law.damping, &first, &second, bonded_length, pair.strength);
+        let [bonded_first, bonded_second] = [i, j].map(|k| self.bonded_sphere(k));
+        let numbers = joint.bond_of_spheres(law.damping, &bonded_first, &bonded_second, bonded_length, pair.strength);
         let reaction = match law.form {
             Form::Total => {
                 let [first_orientation, second_orientation] = [i, j].map(|k| quaternion(self.orientation[k]));
-                let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain: 0.0 };
+                let free_strain = self.free_strain(plan, i, j, bonded_length);
+                let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain };
                 bond::respond_total(law.damping, &ends, &posture, &numbers)
             }
             Form::Incremental(tension) => {
@@ -138,6 +140,20 @@ impl State {
             mass: self.mass[index],
             angular_velocity: self.angular_velocity[index].into(),
         }
+    }
+}
+
+impl State {
+    /// The same with the radius that its bonds have.
+    pub(crate) fn bonded_sphere(&self, index: usize) -> Sphere<f64> {
+        Sphere { radius: self.bonded_radius(index), ..self.sphere(index) }
+    }
+    /// Strain that a bond takes up without force.
+    fn free_strain(&self, plan: &Plan, first: usize, second: usize, bonded_length: f64) -> f64 {
+        let Some(heat) = plan.heat.as_ref().filter(|heat| heat.expands()) else { return 0.0 };
+        let [first_warmth, second_warmth] = [first, second].map(|k| self.temperature[k] - heat.reference_temperature);
+        let link = self.link(plan, first, second, bonded_length);
+        link.map_or(0.0, |link| link.free_strain(first_warmth, second_warmth))
     }
 }
 

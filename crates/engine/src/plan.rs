@@ -1,6 +1,6 @@
 //! What stays the same during a run.
 
-use crate::{BondPlan, Gauge};
+use crate::{BondPlan, Gauge, HeatPlan};
 use std::borrow::Cow;
 use tdem_physics::contact::{Interaction, Law, Period};
 use tdem_physics::motion::ramp::line;
@@ -20,6 +20,8 @@ pub struct Plan {
     pub interactions: Vec<Interaction<f64>>,
     /// How bonded particles hold together; `None` if none are.
     pub bonds: Option<BondPlan>,
+    /// How heat goes and what it does; `None` without heat.
+    pub heat: Option<HeatPlan>,
     /// Walls; their present positions are in [`crate::State::wall_position`].
     pub walls: Vec<Wall>,
     /// $\mathbf g$, m/s².
@@ -150,23 +152,10 @@ impl Ramp {
     /// The value at a time.
     #[must_use]
     pub fn value(&self, time: f64) -> f64 {
-        self.pieces().find(|piece| piece.holds(time)).map_or(f64::NAN, |piece| piece.value(time))
+        value_at(&self.points, time)
     }
-
-    /// The straight pieces, those before the first and behind the last point included: they cover all times.
     pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
-        let points = &self.points;
-        let level = |point: &[f64; 2], from, until| {
-            let &[time, value] = point;
-            Piece { from, until, start: [time, value], end: [time + 1.0, value] }
-        };
-        let before = points.first().map(|first| level(first, f64::NEG_INFINITY, first[0]));
-        let behind = points.last().map(|last| level(last, last[0], f64::INFINITY));
-        let between = points.windows(2).map(|pair| {
-            let (start, end) = (pair[0], pair[1]);
-            Piece { from: start[0], until: end[0], start, end }
-        });
-        before.into_iter().chain(between).chain(behind)
+        pieces(&self.points)
     }
 
     /// Whether the points say something, in the order of time, and nothing else but finite numbers.
@@ -178,7 +167,27 @@ impl Ramp {
     }
 }
 
-/// A straight piece of a ramp, which holds at times from one, included, until another, not included.
+/// The value at a time of points of time and value: straight between them, constant outside.
+pub(crate) fn value_at(points: &[[f64; 2]], time: f64) -> f64 {
+    pieces(points).find(|piece| piece.holds(time)).map_or(f64::NAN, |piece| piece.value(time))
+}
+
+/// The straight pieces between points, those before the first and behind the last included: they cover all times.
+pub(crate) fn pieces(points: &[[f64; 2]]) -> impl Iterator<Item = Piece> {
+    let level = |point: &[f64; 2], from, until| {
+        let &[time, value] = point;
+        Piece { from, until, start: [time, value], end: [time + 1.0, value] }
+    };
+    let before = points.first().map(|first| level(first, f64::NEG_INFINITY, first[0]));
+    let behind = points.last().map(|last| level(last, last[0], f64::INFINITY));
+    let between = points.windows(2).map(|pair| {
+        let (start, end) = (pair[0], pair[1]);
+        Piece { from: start[0], until: end[0], start, end }
+    });
+    before.into_iter().chain(between).chain(behind)
+}
+
+/// A straight piece of a ramp or course, which holds at times from one, included, until another, not included.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     pub(crate) from: f64,

@@ -57,6 +57,18 @@ pub struct State {
     pub bonds: Vec<Bond>,
     /// What bonds remember, one for each; empty in the total form, and as long as no forces are known.
     pub bond_histories: Vec<BondHistory>,
+    /// $T$, K, `(N)`; empty without heat.
+    pub temperature: Vec<f64>,
+    /// $Q$, into the particle, W, `(N)`, before the time scale; empty without heat. Like `force` it belongs to the present.
+    pub heat_rate: Vec<f64>,
+    /// Indices into the plan's exposures, `(N)`; 0 is insulated; empty without heat.
+    pub exposure: Vec<u16>,
+    /// $R_0$, m, `(N)`: the radius at the reference temperature; empty where nothing expands.
+    pub reference_radius: Vec<f64>,
+    /// Heat accounts of each particle, J, `(N, 4)`, see [`crate::heat_accounts`]; empty without ledger or heat.
+    pub heat_accounts: Vec<[f64; 4]>,
+    /// Heat stored at the start of the ledger, J, see [`crate::Ledger`].
+    pub initial_heat: f64,
 }
 
 /// Columns of [`State::accounts`], each summed over all steps.
@@ -155,6 +167,9 @@ impl State {
             broken.unwrap_or_default().into_iter().for_each(&mut word);
         }
         self.bond_histories.iter().flat_map(BondHistory::numbers).for_each(|v| word(real(v)));
+        self.temperature.iter().chain(&self.heat_rate).chain(&self.reference_radius).for_each(|&v| word(real(v)));
+        self.exposure.iter().for_each(|&v| word(v.into()));
+        self.heat_accounts.iter().flatten().for_each(|&v| word(real(v)));
         hasher.digest128()
     }
 }
@@ -209,6 +224,7 @@ impl State {
                     .all(|c| (c.wall as usize) < plan.walls.len() && self.index_of(c.particle).is_some()),
             "wall contacts ascend and name particles and walls that exist",
         )?;
-        self.validate_bonds(plan)
+        self.validate_bonds(plan)?;
+        self.validate_heat(plan)
     }
 }

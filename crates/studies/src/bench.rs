@@ -177,6 +177,7 @@ fn plan(block: &ContactBlock) -> Plan {
         materials: 1,
         interactions: vec![interaction],
         bonds: None,
+        heat: None,
         walls: Vec::new(),
         gravity: [0.0, 0.0, -9.81],
         constraints: vec![Constraint::FREE],

@@ -242,6 +242,7 @@ impl<'c> Context<'c> {
             materials: self.materials.len(),
             interactions,
             bonds: None,
+            heat: None,
             walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
             gravity: case.gravity,
             constraints,

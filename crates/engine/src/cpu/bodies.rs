@@ -46,7 +46,7 @@ pub(crate) struct Bodies {
     pub(crate) spin: Vec<Quad>,
     /// Which way particles are turned, a quaternion x, y, z, w; optional.
     pub(crate) orientation: Vec<Quad>,
-    /// N; the fourth number is not used.
+    /// N, and the heat rate into the particle, W; 0 without heat.
     pub(crate) force: Vec<Quad>,
     /// N m; optional; the fourth number is not used.
     pub(crate) moment: Vec<Quad>,
@@ -62,6 +62,14 @@ pub(crate) struct Bodies {
     pub(crate) kick: Vec<Quad>,
     /// How it changed the angular velocity, rad/s; optional, for the ledger.
     pub(crate) twist: Vec<Quad>,
+    /// K; optional.
+    pub(crate) temperature: Vec<f64>,
+    /// Optional.
+    pub(crate) exposure: Vec<u16>,
+    /// Radius at the reference temperature, m; optional.
+    pub(crate) reference_radius: Vec<f64>,
+    /// Optional.
+    pub(crate) heat_accounts: Vec<[f64; 4]>,
 }
 
 impl Bodies {
@@ -78,7 +86,7 @@ impl Bodies {
             motion: quads(&state.velocity, &state.mass),
             spin: state.angular_velocity.iter().map(|&v| Quad::new(v, 0.0)).collect(),
             orientation: state.orientation.iter().map(|&orientation| Quad(orientation)).collect(),
-            force: state.force.iter().map(|&v| Quad::new(v, 0.0)).collect(),
+            force: heat_rates(state).zip(&state.force).map(|(rate, &v)| Quad::new(v, rate)).collect(),
             moment: if plan.law.moments {
                 state.moment.iter().map(|&v| Quad::new(v, 0.0)).collect()
             } else {
@@ -99,6 +107,14 @@ impl Bodies {
             },
             kick: vec![Quad::default(); if plan.ledger && !gear { n } else { 0 }],
             twist: vec![Quad::default(); if plan.ledger && !gear && plan.law.moments { n } else { 0 }],
+            temperature: state.temperature.clone(),
+            exposure: state.exposure.clone(),
+            reference_radius: state.reference_radius.clone(),
+            heat_accounts: match (plan.ledger && plan.heat.is_some(), state.heat_accounts.is_empty()) {
+                (false, _) => Vec::new(),
+                (true, true) => vec![[0.0; 4]; n],
+                (true, false) => state.heat_accounts.clone(),
+            },
         }
     }
 
@@ -127,6 +143,10 @@ impl Bodies {
         take(&mut self.accounts, order);
         take(&mut self.kick, order);
         take(&mut self.twist, order);
+        take(&mut self.temperature, order);
+        take(&mut self.exposure, order);
+        take(&mut self.reference_radius, order);
+        take(&mut self.heat_accounts, order);
     }
 
     /// Gear's second derivative from the forces of a fresh state, none of prescribed components; the higher ones are what
@@ -149,6 +169,9 @@ impl Bodies {
             (plan.ledger, size_of::<[f64; 4]>()),
             (plan.ledger && !gear, size_of::<Quad>()),
             (plan.ledger && !gear && moments, size_of::<Quad>()),
+            (plan.heat.is_some(), size_of::<f64>() + size_of::<u16>()),
+            (plan.expands(), size_of::<f64>()),
+            (plan.ledger && plan.heat.is_some(), size_of::<[f64; 4]>()),
         ];
         let optional: usize = optional.iter().filter(|(there, _)| *there).map(|(_, size)| size).sum();
         size_of::<u32>() + 4 * size_of::<Quad>() + 2 * size_of::<u16>() + optional
@@ -171,7 +194,16 @@ impl Bodies {
             + size(&self.accounts)
             + size(&self.kick)
             + size(&self.twist)
+            + size(&self.temperature)
+            + size(&self.exposure)
+            + size(&self.reference_radius)
+            + size(&self.heat_accounts)
     }
+}
+
+/// Heat rates of a state, zeros without heat.
+fn heat_rates(state: &State) -> impl Iterator<Item = f64> + '_ {
+    (0..state.len()).map(|i| state.heat_rate.get(i).copied().unwrap_or(0.0))
 }
 
 /// $\mathbf r_2 = \frac{\Delta t^2}{2m}\mathbf F$, m, but 0 in components that are prescribed.

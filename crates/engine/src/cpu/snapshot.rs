@@ -56,6 +56,16 @@ impl Cpu {
             wall_contacts: wall_contacts.collect(),
             bonds: self.bonds.table.clone(),
             bond_histories: self.bonds.histories(),
+            temperature: sorted(by_rank, &bodies.temperature, |&temperature| temperature),
+            heat_rate: if bodies.temperature.is_empty() {
+                Vec::new()
+            } else {
+                sorted(by_rank, &bodies.force, Quad::scalar)
+            },
+            exposure: sorted(by_rank, &bodies.exposure, |&exposure| exposure),
+            reference_radius: sorted(by_rank, &bodies.reference_radius, |&radius| radius),
+            heat_accounts: sorted(by_rank, &bodies.heat_accounts, |&accounts| accounts),
+            initial_heat: 0.0,
         }
     }
 

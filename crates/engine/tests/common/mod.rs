@@ -45,6 +45,7 @@ pub(crate) fn plan(law: Law, min: [f64; 3], max: [f64; 3], periodic: [bool; 3]) 
         materials: 1,
         interactions: vec![interaction(PLASTIC, PLASTIC)],
         bonds: None,
+        heat: None,
         walls: Vec::new(),
         gravity: [0.0; 3],
         constraints: vec![Constraint::FREE],

@@ -136,6 +136,7 @@ mod tests {
             materials: 1,
             interactions: vec![interaction],
             bonds: None,
+            heat: None,
             walls: vec![Wall { name: "floor".into(), normal: [0.0, 0.0, 1.0], velocity: [0.0; 3], material: 0 }],
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE],

@@ -27,6 +27,7 @@ fn sphere(leaves: bool) -> Simulation {
         materials: 1,
         interactions: vec![interaction],
         bonds: None,
+        heat: None,
         walls: Vec::new(),
         gravity: [0.0; 3],
         constraints: vec![Constraint::FREE],

@@ -32,6 +32,7 @@ pub(crate) fn plan() -> Plan {
             least_normal_force: 0.0,
         }],
         bonds: None,
+        heat: None,
         walls: vec![
             wall("floor", [0.0, 0.0, 1.0], [0.0; 3]),
             wall("front", [0.0, 1.0, 0.0], [0.0; 3]),

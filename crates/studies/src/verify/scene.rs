@@ -134,6 +134,7 @@ impl Scene {
             materials,
             interactions: table.collect(),
             bonds: None,
+            heat: None,
             walls: Vec::new(),
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE],

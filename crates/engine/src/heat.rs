@@ -1,0 +1,200 @@
+//! Heat as a plan describes it.
+
+use crate::plan::{pieces, value_at};
+use crate::{Fault, Plan, State};
+use tdem_physics::bond;
+use tdem_physics::heat::{Conductor, Exchange, Link, Path};
+
+/// What a plan says of heat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeatPlan {
+    /// $S$: how much faster the time of the heat goes than that of the motion, positive. Heat rates of conduction and of
+    /// surfaces are multiplied by it; work that becomes heat is not.
+    pub time_scale: f64,
+    /// $T_0$, K: where radii are those that were given and bonds are free of stress.
+    pub reference_temperature: f64,
+    /// Of each material, walls' included, `(materials)`.
+    pub materials: Vec<Thermal>,
+    /// What conducts between each pair of materials, `(materials, materials)`, symmetric, row by row.
+    pub conductors: Vec<Conductor<f64>>,
+    /// How heat goes through contacts. A contact within a bond that holds conducts nothing.
+    pub contacts: Path,
+    /// Whether what friction and dashpots of contacts dissipate warms both bodies, half each.
+    pub work_becomes_heat: bool,
+    /// How particles may exchange heat with their surroundings; the first entry is [`Exposure::default`], insulated.
+    pub exposures: Vec<Exposure>,
+    /// Temperatures of walls, K, over the time of the heat, `(walls)`; `None` is insulated.
+    pub walls: Vec<Option<Course>>,
+}
+
+/// What a material is to heat.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Thermal {
+    /// $c$, J/(kg K).
+    pub specific_heat: f64,
+    /// $\alpha$, 1/K.
+    pub expansion: f64,
+}
+
+/// Values over time: points of time, s, and value; straight between them, constant before the first and behind the last.
+/// Times ascend strictly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course(pub Vec<[f64; 2]>);
+
+impl Course {
+    /// The value at a time.
+    #[must_use]
+    pub fn value(&self, time: f64) -> f64 {
+        value_at(&self.0, time)
+    }
+    /// Whether it says something, in the order of time, and nothing else but finite numbers.
+    fn is_sound(&self) -> bool {
+        !self.0.is_empty()
+            && self.0.iter().flatten().all(|number| number.is_finite())
+            && self.0.is_sorted_by(|a, b| a[0] < b[0])
+    }
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = crate::plan::Piece> {
+        pieces(&self.0)
+    }
+}
+
+/// How a particle exchanges heat with its surroundings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exposure {
+    /// Its temperature over the time of the heat, K, if that is prescribed; then the exchanges do nothing.
+    pub temperature: Option<Course>,
+    /// What goes through its surface, added up in this order: how, and the outside value (K or W/m²) over the time of the
+    /// heat.
+    pub exchanges: Vec<(Exchange<f64>, Course)>,
+}
+
+/// Columns of [`State::heat_accounts`], each summed over all steps, J.
+pub mod heat_accounts {
+    /// Came in through surfaces and walls, and by prescribed temperatures.
+    pub const IN: usize = 0;
+    /// Left through them, positive.
+    pub const OUT: usize = 1;
+    /// Work that became heat.
+    pub const WORK: usize = 2;
+    /// Work that expansion did on springs, as far as it is booked; it is not taken from the heat.
+    pub const EXPANSION: usize = 3;
+}
+
+impl HeatPlan {
+    /// What conducts between two materials.
+    #[must_use]
+    pub fn conductor(&self, first: u16, second: u16) -> &Conductor<f64> {
+        &self.conductors[usize::from(first) * self.materials.len() + usize::from(second)]
+    }
+    /// Whether any material grows.
+    #[must_use]
+    pub fn expands(&self) -> bool {
+        self.materials.iter().any(|material| material.expansion != 0.0)
+    }
+    /// $\alpha$ of a material, 1/K.
+    #[must_use]
+    pub fn expansion(&self, material: u16) -> f64 {
+        self.materials[usize::from(material)].expansion
+    }
+    fn is_sound(&self, plan: &Plan) -> bool {
+        let positive = |number: f64| number.is_finite() && number > 0.0;
+        let courses = self.exposures.iter().flat_map(|exposure| {
+            exposure.temperature.iter().chain(exposure.exchanges.iter().map(|(_, outside)| outside))
+        });
+        positive(self.time_scale)
+            && positive(self.reference_temperature)
+            && self.materials.len() == plan.materials
+            && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
+            && self.conductors.len() == plan.materials * plan.materials
+            && self.exposures.first() == Some(&Exposure::default())
+            && self.walls.len() == plan.walls.len()
+            && courses.chain(self.walls.iter().flatten()).all(Course::is_sound)
+    }
+}
+
+impl Plan {
+    /// $S\,\Delta t$: the time of the heat in one step, s.
+    #[must_use]
+    pub fn heat_step(&self) -> f64 {
+        self.heat.as_ref().map_or(0.0, |heat| heat.time_scale * self.dt)
+    }
+    /// Whether radii and bonds follow temperatures.
+    #[must_use]
+    pub fn expands(&self) -> bool {
+        self.heat.as_ref().is_some_and(HeatPlan::expands)
+    }
+    /// Whether work becomes heat.
+    #[must_use]
+    pub fn work_becomes_heat(&self) -> bool {
+        self.heat.as_ref().is_some_and(|heat| heat.work_becomes_heat)
+    }
+}
+
+impl State {
+    /// The radius of a particle at the reference temperature, m: that of its bonds.
+    #[must_use]
+    pub fn bonded_radius(&self, index: usize) -> f64 {
+        self.reference_radius.get(index).map_or(self.radius[index], |&radius| radius)
+    }
+
+    /// What a bond is to heat, from indices of particles and its length at bonding; `None` without heat.
+    pub(crate) fn link(&self, plan: &Plan, first: usize, second: usize, bonded_length: f64) -> Option<Link<f64>> {
+        let heat = plan.heat.as_ref()?;
+        let materials = [first, second].map(|index| self.material[index]);
+        let expansions = materials.map(|material| heat.expansion(material));
+        let radii = [first, second].map(|index| self.bonded_radius(index));
+        Some(Link::between(heat.conductor(materials[0], materials[1]), radii, expansions, bonded_length))
+    }
+
+    /// Links of the bonds of each pair of materials, `(materials, materials)`, row by row, if nothing else decides about
+    /// them; nothing goes through pairs without bonds.
+    pub(crate) fn alike_links(&self, plan: &Plan) -> Option<Vec<Link<f64>>> {
+        plan.heat.as_ref()?;
+        let nothing = Link { conductance: 0.0, first_growth: 0.0, second_growth: 0.0 };
+        let mut table: Vec<Option<Link<f64>>> = vec![None; plan.materials * plan.materials];
+        for bond in &self.bonds {
+            let [i, j] = [bond.first, bond.second].map(|id| self.index_of(id).unwrap_or(0));
+            let offset = self.bonded_offset(plan, i, j);
+            let length = offset.dot(offset).sqrt();
+            for (first, second) in [(i, j), (j, i)] {
+                let link = self.link(plan, first, second, length)?;
+                let place = usize::from(self.material[first]) * plan.materials + usize::from(self.material[second]);
+                if *table[place].get_or_insert(link) != link {
+                    return None;
+                }
+            }
+        }
+        Some(table.into_iter().map(|link| link.unwrap_or(nothing)).collect())
+    }
+
+    /// Checks that what belongs to heat is there exactly if the plan has heat.
+    pub(crate) fn validate_heat(&self, plan: &Plan) -> Result<(), Fault> {
+        let check = |holds: bool, what| if holds { Ok(()) } else { Err(Fault::Inconsistent { what }) };
+        let n = if plan.heat.is_some() { self.len() } else { 0 };
+        check(
+            [self.temperature.len(), self.exposure.len(), self.heat_rate.len()].iter().all(|&l| l == n),
+            "with heat all particles have a temperature, a heat rate and an exposure, without heat none",
+        )?;
+        let growing = if plan.expands() { n } else { 0 };
+        check(
+            self.reference_radius.len() == growing,
+            "particles that expand have a radius at the reference temperature, others none",
+        )?;
+        check(
+            self.heat_accounts.is_empty() || self.heat_accounts.len() == n,
+            "heat accounts are for all particles or none",
+        )?;
+        let Some(heat) = &plan.heat else { return Ok(()) };
+        check(
+            heat.is_sound(plan),
+            "heat has numbers for every material, pair and wall, and courses that ascend in time",
+        )?;
+        check(self.temperature.iter().all(|&t| t > 0.0 && t.is_finite()), "temperatures are above absolute zero")?;
+        check(self.exposure.iter().all(|&e| usize::from(e) < heat.exposures.len()), "every exposure is in the plan")?;
+        let incremental = plan.bonds.as_ref().is_some_and(|bonds| matches!(bonds.law.form, bond::Form::Incremental(_)));
+        check(
+            !(incremental && heat.expands() && !self.bonds.is_empty()),
+            "bonds that remember forces do not expand: the total form does",
+        )
+    }
+}
