@@ -11,6 +11,7 @@ mod contact;
 mod correct;
 mod gather;
 mod grid;
+mod heat;
 mod neighbours;
 mod pieces;
 mod predict;
@@ -99,6 +100,7 @@ pub(crate) struct Cpu {
     bodies: Bodies,
     neighbours: Neighbours,
     bonds: Bonds,
+    flows: heat::Flows,
     wall_position: Vec<[f64; 3]>,
     /// Whether something moved too far for the present list.
     search_due: bool,
@@ -122,6 +124,7 @@ impl Cpu {
             bodies: Bodies::default(),
             neighbours: Neighbours::default(),
             bonds: Bonds::default(),
+            flows: heat::Flows::default(),
             wall_position: Vec::new(),
             search_due: true,
             searches: 0,
@@ -156,6 +159,7 @@ impl Stages for Cpu {
     }
     fn boundary(&mut self) {
         self.boundary_all();
+        self.conduct_all();
     }
     fn correct(&mut self) {
         self.correct_all();
@@ -181,6 +185,7 @@ impl Backend for Cpu {
             self.contact_all()?;
             self.gather_all();
             self.boundary_all();
+            self.conduct_all();
             self.history_step = self.plan.dt;
             let (displacement, wall_displacement, accounts, bond_histories) = kept;
             self.bonds.written.history = bond_histories;

@@ -15,6 +15,23 @@ pub enum Fault {
         /// Persistent id.
         particle: u32,
     },
+    /// A temperature is not above absolute zero, or not a number: the step of the heat is too large.
+    #[error(
+        "particle {particle} has a temperature of {temperature:.3e} K at step {step} (t = {time:.6e} s): the step of the heat is too large"
+    )]
+    Temperature {
+        /// Step that found it.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// Persistent id.
+        particle: u32,
+        /// K.
+        temperature: f64,
+    },
+    /// Heat was asked of a device.
+    #[error("no device but the CPU computes heat so far")]
+    NoHeat,
     /// A particle left the domain in a direction that does not repeat.
     #[error("particle {particle} left the domain at step {step} (t = {time:.6e} s): it is at {position:?} m")]
     Escaped {

@@ -49,6 +49,9 @@ pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize
 
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
+    if plan.heat.is_some() {
+        return Err(Fault::NoHeat);
+    }
     Ok(match api {
         Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),
         Api::Cuda => Box::new(Gpu::new(devices::open_cuda(index)?, state, plan)?),

@@ -1,6 +1,6 @@
 //! Heat as a plan describes it.
 
-use crate::plan::{pieces, value_at};
+use crate::plan::value_at;
 use crate::{Fault, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::heat::{Conductor, Exchange, Link, Path};
@@ -9,7 +9,7 @@ use tdem_physics::heat::{Conductor, Exchange, Link, Path};
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatPlan {
     /// $S$: how much faster the time of the heat goes than that of the motion, positive. Heat rates of conduction and of
-    /// surfaces are multiplied by it; work that becomes heat is not.
+    /// surfaces are multiplied by it.
     pub time_scale: f64,
     /// $T_0$, K: where radii are those that were given and bonds are free of stress.
     pub reference_temperature: f64,
@@ -19,8 +19,6 @@ pub struct HeatPlan {
     pub conductors: Vec<Conductor<f64>>,
     /// How heat goes through contacts. A contact within a bond that holds conducts nothing.
     pub contacts: Path,
-    /// Whether what friction and dashpots of contacts dissipate warms both bodies, half each.
-    pub work_becomes_heat: bool,
     /// How particles may exchange heat with their surroundings; the first entry is [`Exposure::default`], insulated.
     pub exposures: Vec<Exposure>,
     /// Temperatures of walls, K, over the time of the heat, `(walls)`; `None` is insulated.
@@ -53,9 +51,6 @@ impl Course {
             && self.0.iter().flatten().all(|number| number.is_finite())
             && self.0.is_sorted_by(|a, b| a[0] < b[0])
     }
-    pub(crate) fn pieces(&self) -> impl Iterator<Item = crate::plan::Piece> {
-        pieces(&self.0)
-    }
 }
 
 /// How a particle exchanges heat with its surroundings.
@@ -68,16 +63,12 @@ pub struct Exposure {
     pub exchanges: Vec<(Exchange<f64>, Course)>,
 }
 
-/// Columns of [`State::heat_accounts`], each summed over all steps, J.
+/// Columns of [`State::heat_accounts`], each summed over all steps, J; two are not used.
 pub mod heat_accounts {
     /// Came in through surfaces and walls, and by prescribed temperatures.
     pub const IN: usize = 0;
     /// Left through them, positive.
     pub const OUT: usize = 1;
-    /// Work that became heat.
-    pub const WORK: usize = 2;
-    /// Work that expansion did on springs, as far as it is booked; it is not taken from the heat.
-    pub const EXPANSION: usize = 3;
 }
 
 impl HeatPlan {
@@ -123,10 +114,10 @@ impl Plan {
     pub fn expands(&self) -> bool {
         self.heat.as_ref().is_some_and(HeatPlan::expands)
     }
-    /// Whether work becomes heat.
+    /// Time of the heat after a number of steps, s.
     #[must_use]
-    pub fn work_becomes_heat(&self) -> bool {
-        self.heat.as_ref().is_some_and(|heat| heat.work_becomes_heat)
+    pub fn heat_time(&self, step: u64) -> f64 {
+        step as f64 * self.heat_step()
     }
 }
 

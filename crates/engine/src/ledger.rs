@@ -30,7 +30,8 @@ pub struct Ledger {
     pub stiffening_work: f64,
     /// Work of walls, prescribed motion and applied forces since the start, J.
     pub external_work: f64,
-    /// What the ledger does not explain: present + dissipated - work - initial, J; 0 without ledger.
+    /// What the ledger does not explain: present + dissipated - work - initial, J; 0 without ledger. Where bodies expand it
+    /// holds the work of expansion, too.
     pub energy_error: f64,
     /// Touching pairs of particles.
     pub contacts: u64,

@@ -67,8 +67,6 @@ pub struct State {
     pub reference_radius: Vec<f64>,
     /// Heat accounts of each particle, J, `(N, 4)`, see [`crate::heat_accounts`]; empty without ledger or heat.
     pub heat_accounts: Vec<[f64; 4]>,
-    /// Heat stored at the start of the ledger, J, see [`crate::Ledger`].
-    pub initial_heat: f64,
 }
 
 /// Columns of [`State::accounts`], each summed over all steps.

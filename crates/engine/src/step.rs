@@ -5,7 +5,8 @@ use crate::{Capture, Fault, Profile};
 /// The stages of a step. Stage names are file names: `cpu/predict.rs`, `gpu/kernels/predict.cl` and so on; on a device
 /// several may be one kernel.
 pub(crate) trait Stages {
-    /// Moves particles and walls to the end of the step, under the forces of its beginning.
+    /// Moves particles and walls to the end of the step, under the forces of its beginning; temperatures and radii follow
+    /// the heat rates of its beginning.
     fn predict(&mut self) -> Result<(), Fault>;
     /// Lists neighbours anew if something moved too far since the last time, and carries histories over.
     fn search(&mut self) -> Result<(), Fault>;
@@ -15,7 +16,7 @@ pub(crate) trait Stages {
     fn contact(&mut self) -> Result<(), Fault>;
     /// Adds to each particle what others keep for it, then walls, then the sum of its bonds.
     fn gather(&mut self);
-    /// Gravity, applied forces, local damping, and the work of applied forces and of prescribed motion.
+    /// Gravity, applied forces, local damping, and the work of applied forces and of prescribed motion; heat rates.
     fn boundary(&mut self);
     /// Corrects velocities by the forces of the end of the step.
     fn correct(&mut self);

@@ -262,7 +262,7 @@ element! {
     [[f64; 3]; 4]: F64 [4, 3],
 }
 
-/// All fields of a state; those of bonds only where there are some. Wide numbers come first, so that every tensor is
+/// All fields of a state; those of bonds and of heat only where there are some. Wide numbers come first, so that every tensor is
 /// aligned.
 fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
     // No `..`: a field that is added to the state must be added here.
@@ -290,6 +290,11 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
         wall_contacts: _,
         bonds,
         bond_histories: _,
+        temperature,
+        heat_rate,
+        exposure,
+        reference_radius,
+        heat_accounts,
     } = state;
     let of_bonds = &apart.bonds;
     let mut tensors = vec![
@@ -318,6 +323,14 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
             Tensor::new("bonds.history", &of_bonds.histories),
         ]);
     }
+    if !temperature.is_empty() {
+        tensors.extend([
+            Tensor::new("temperature", temperature),
+            Tensor::new("heat_rate", heat_rate),
+            Tensor::new("reference_radius", reference_radius),
+            Tensor::new("heat_accounts", heat_accounts),
+        ]);
+    }
     tensors.extend([
         Tensor::new("id", id),
         Tensor::new("image", image),
@@ -327,11 +340,11 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
     if !bonds.is_empty() {
         tensors.push(Tensor::new("bonds.pair", &of_bonds.pairs));
     }
-    tensors.extend([
-        Tensor::new("material", material),
-        Tensor::new("constraint", constraint),
-        Tensor::new("forces_known", &apart.forces_known),
-    ]);
+    tensors.extend([Tensor::new("material", material), Tensor::new("constraint", constraint)]);
+    if !temperature.is_empty() {
+        tensors.push(Tensor::new("exposure", exposure));
+    }
+    tensors.push(Tensor::new("forces_known", &apart.forces_known));
     if !bonds.is_empty() {
         tensors.push(Tensor::new("bonds.failure", &of_bonds.failure));
     }
@@ -402,6 +415,10 @@ impl Reader<'_> {
     fn of_bonds<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
         if self.tensors.tensor("bonds.pair").is_ok() { self.rows(tensor) } else { Ok(Vec::new()) }
     }
+    /// A tensor of heat, which a checkpoint without heat lacks.
+    fn of_heat<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
+        if self.tensors.tensor("temperature").is_ok() { self.rows(tensor) } else { Ok(Vec::new()) }
+    }
     fn bonds(&self) -> Result<Vec<Bond>, Damage> {
         let pairs = self.of_bonds::<[u32; 2]>("bonds.pair")?;
         let strength = self.of_bonds::<f64>("bonds.strength")?;
@@ -454,6 +471,11 @@ impl Reader<'_> {
             )?,
             bonds: self.bonds()?,
             bond_histories: self.of_bonds("bonds.history")?.into_iter().map(history_of).collect(),
+            temperature: self.of_heat("temperature")?,
+            heat_rate: self.of_heat("heat_rate")?,
+            exposure: self.of_heat("exposure")?,
+            reference_radius: self.of_heat("reference_radius")?,
+            heat_accounts: self.of_heat("heat_accounts")?,
         })
     }
 }
@@ -489,6 +511,21 @@ mod tests {
             bonded_position: vec![[0.1, 0.2, 0.3]; 3],
             bonds: vec![Bond::new(0, 1, 0.75), Bond { breakage, ..Bond::new(1, 5, 1.0) }],
             bond_histories: vec![history, BondHistory::default()],
+            ..State::default()
+        });
+    }
+
+    #[test]
+    fn a_change_of_any_byte_of_heat_is_found() {
+        every_change_is_found(&State {
+            step: 12,
+            id: vec![0, 1, 5],
+            material: vec![0, 3, 1],
+            temperature: vec![293.15, 400.0, 1e3],
+            heat_rate: vec![0.0, -1.5, 2.0],
+            exposure: vec![0, 1, 2],
+            reference_radius: vec![1e-3; 3],
+            heat_accounts: vec![[1.0, 2.0, 0.0, 0.0]; 3],
             ..State::default()
         });
     }

@@ -10,11 +10,12 @@ mod eight;
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
+use super::heat::link;
 use super::pieces::split;
 use super::{CHUNK, Cpu, Width};
 use crate::energy_accounts::DAMPING;
 use crate::evaluate::quaternion;
-use crate::{BondHistory, Breakage};
+use crate::{BondHistory, Breakage, HeatPlan};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::bond::{
@@ -44,6 +45,15 @@ pub(super) struct Scene<'a> {
     law: Law,
     period: Option<Period<f64>>,
     step: f64,
+    heat: Option<Warm<'a>>,
+}
+
+/// What bonds look at that expand.
+#[derive(Clone, Copy)]
+struct Warm<'a> {
+    plan: &'a HeatPlan,
+    bodies: &'a Bodies,
+    bonds: &'a Bonds,
 }
 
 /// What a bond loop writes: the rows of a chunk of particles.
@@ -113,6 +123,11 @@ impl Cpu {
             law: self.plan.bonds.as_ref()?.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
+            heat: (self.plan.heat.as_ref().filter(|heat| heat.expands())).map(|plan| Warm {
+                plan,
+                bodies: &self.bodies,
+                bonds: &self.bonds,
+            }),
         })
     }
 
@@ -224,7 +239,8 @@ impl Scene<'_> {
             return alike[self.materials_of(i, j)].with_strength_times(strength);
         }
         let length = offset.dot(offset).sqrt();
-        self.joint(i, j).bond_of_spheres(self.law.damping, &self.sphere(i), &self.sphere(j), length, strength)
+        let [first, second] = [i, j].map(|k| self.bonded_sphere(k));
+        self.joint(i, j).bond_of_spheres(self.law.damping, &first, &second, length, strength)
     }
     /// The law, and what is to be remembered.
     #[inline(always)]
@@ -234,7 +250,8 @@ impl Scene<'_> {
             Form::Total => {
                 let (i, j) = self.pair(slot);
                 let [first_orientation, second_orientation] = [i, j].map(|k| quaternion(self.orientation[k].0));
-                let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain: 0.0 };
+                let free_strain = self.free_strain(slot);
+                let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain };
                 (BondHistory::default(), respond_total(self.law.damping, &ends, &posture, &bond))
             }
             Form::Incremental(tension) => {
@@ -245,6 +262,20 @@ impl Scene<'_> {
                 (BondHistory::of(&history), reaction)
             }
         }
+    }
+    /// A particle with the radius that its bonds have.
+    fn bonded_sphere(&self, i: usize) -> Sphere<f64> {
+        let sphere = self.sphere(i);
+        let radius = self.heat.and_then(|heat| heat.bodies.reference_radius.get(i).copied());
+        Sphere { radius: radius.unwrap_or(sphere.radius), ..sphere }
+    }
+    /// Strain that a bond takes up without force.
+    #[inline(always)]
+    fn free_strain(&self, slot: usize) -> f64 {
+        let Some(Warm { plan, bodies, bonds }) = self.heat else { return 0.0 };
+        let (i, j) = self.pair(slot);
+        let [first, second] = [i, j].map(|k| bodies.temperature[k] - plan.reference_temperature);
+        link(plan, bodies, bonds, slot).free_strain(first, second)
     }
     /// Whether a bond breaks that the law says has failed: not while a fresh state is prepared.
     #[inline(always)]

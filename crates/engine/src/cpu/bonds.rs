@@ -5,6 +5,7 @@ use super::neighbours::indices_by_rank;
 use crate::{Bond, BondHistory, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::bond::{Cement, Joint};
+use tdem_physics::heat::Link;
 
 /// The bonds of a run. `B` is the number of bonds, `N` of particles.
 ///
@@ -25,6 +26,8 @@ pub(crate) struct Bonds {
     pub(crate) joints: Vec<Joint<f64>>,
     /// The numbers of the bonds of each pair of materials, if they are alike, see [`State::alike_bonds`].
     pub(crate) alike: Option<Vec<bond::Bond<f64>>>,
+    /// What the bonds of each pair of materials are to heat, if they are alike, see [`State::alike_links`].
+    pub(crate) links: Option<Vec<Link<f64>>>,
 
     /// Where each row starts, `(N + 1)`.
     pub(crate) start: Vec<u32>,
@@ -82,6 +85,7 @@ impl Bonds {
             written: Written { history, ..Written::default() },
             table: state.bonds.clone(),
             alike: state.alike_bonds(plan),
+            links: state.alike_links(plan),
             ..Bonds::default()
         };
         bonds.lay_out(&(0..state.len() as u32).collect::<Vec<_>>());

@@ -33,6 +33,8 @@ pub(crate) struct Neighbours {
     pub(crate) incoming: Vec<u32>,
     /// Positions when the list was made, m, `(N)`.
     pub(crate) reference: Vec<[f64; 3]>,
+    /// Radii when the list was made, m, `(N)`; empty where nothing expands.
+    pub(crate) listed_radius: Vec<f64>,
     /// Particles that may touch walls, ascending by (particle, wall).
     pub(crate) wall_slots: Vec<WallSlot>,
     /// Where the wall slots of each chunk of particles start.
@@ -169,7 +171,8 @@ impl Neighbours {
         let displacement = if law.friction == Friction::Off { 0 } else { size_of::<[f64; 3]>() };
         let flags = (1 + bonded) * size_of::<bool>();
         let pair = 2 * size_of::<u32>() + flags + displacement + Self::reaction_bytes(law);
-        [2 * size_of::<u32>() + size_of::<[f64; 3]>(), pair]
+        let listed = if plan.expands() { size_of::<f64>() } else { 0 };
+        [2 * size_of::<u32>() + size_of::<[f64; 3]>() + listed, pair]
     }
     pub(crate) fn bytes(&self) -> usize {
         fn size<T>(field: &[T]) -> usize {
@@ -184,6 +187,7 @@ impl Neighbours {
             + size(&self.incoming_start)
             + size(&self.incoming)
             + size(&self.reference)
+            + size(&self.listed_radius)
             + size(&self.wall_slots)
             + size(&self.wall_start)
     }

@@ -119,9 +119,11 @@ impl Cpu {
             return Err(self.astray(report.astray));
         }
         self.step_way = report.step_squared.sqrt().max(self.wall_step());
-        let half_skin = 0.5 * self.plan.search.skin;
-        self.search_due =
-            report.way_squared > half_skin * half_skin || self.neighbours.wall_way(&self.wall_position) > half_skin;
+        let growth = self.warm_all()?;
+        let half_skin = 0.5 * self.plan.search.skin - growth;
+        self.search_due = half_skin < 0.0
+            || report.way_squared > half_skin * half_skin
+            || self.neighbours.wall_way(&self.wall_position) > half_skin;
         Ok(())
     }
 

@@ -13,7 +13,8 @@
 //! | boundary | motion; with a ledger or applied forces constraint; with ramps, moments and a ledger place | | force |
 //! | correct | force, moment, constraint; under Verlet place, for moments | | motion, spin, derivatives; under Gear place |
 //!
-//! Arrays that a plan does without are empty and count nothing.
+//! Arrays that a plan does without are empty and count nothing. Heat is timed with predict and boundary, and its bytes are
+//! not counted.
 
 use super::neighbours::Neighbours;
 use super::{Cpu, List};

@@ -209,6 +209,11 @@ impl Cpu {
             },
             incoming_start,
             incoming,
+            listed_radius: if self.plan.expands() {
+                bodies.place.par_iter().map(Quad::scalar).collect()
+            } else {
+                Vec::new()
+            },
             reference: bodies.place.par_iter().map(|p| p.vector().into()).collect(),
             ..Neighbours::default()
         };

@@ -65,7 +65,6 @@ impl Cpu {
             exposure: sorted(by_rank, &bodies.exposure, |&exposure| exposure),
             reference_radius: sorted(by_rank, &bodies.reference_radius, |&radius| radius),
             heat_accounts: sorted(by_rank, &bodies.heat_accounts, |&accounts| accounts),
-            initial_heat: 0.0,
         }
     }
 

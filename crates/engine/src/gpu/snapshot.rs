@@ -126,6 +126,7 @@ impl<R: Runtime> Snapshot<R> {
             bonds: with_breakages(&self.bonds, self.since, self.broken.view()?, self.released.view()?),
             bond_histories: histories(self.bond_history.view()?),
             id: self.ids,
+            ..State::default()
         })
     }
 }

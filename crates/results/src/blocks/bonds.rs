@@ -213,6 +213,7 @@ mod tests {
                 contact_in_bonded_pairs: false,
                 local_damping: 0.0,
             }),
+            heat: None,
             walls: Vec::new(),
             gravity: [0.0; 3],
             constraints: vec![Constraint::FREE, moving(0.0), moving(SPEED)],

@@ -137,7 +137,8 @@ fn respond<R: Eight>(
         Form::Total => {
             let first_orientation = load_orientations(scene, &group.i);
             let second_orientation = load_orientations(scene, &group.j);
-            let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain: R::lit(0.0) };
+            let free_strain = free_strains(scene, group);
+            let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain };
             (None, respond_total(damping, ends, &posture, bond))
         }
         Form::Incremental(tension) => {
@@ -148,6 +149,27 @@ fn respond<R: Eight>(
             (Some(history), reaction)
         }
     }
+}
+
+/// Strains that eight bonds take up without force.
+#[inline(always)]
+fn free_strains<R: Eight>(scene: &Scene<'_>, group: &Group) -> R {
+    if scene.heat.is_none() {
+        return R::lit(0.0);
+    }
+    R::from_array(group.slot.map(|slot| scene.free_strain(slot as usize)))
+}
+
+/// Eight ends with the radii that their bonds have.
+#[inline(always)]
+fn bonded<R: Eight>(scene: &Scene<'_>, group: &Group, ends: &Ends<R>) -> Ends<R> {
+    let mut bonded = *ends;
+    if scene.heat.is_some() {
+        for (sphere, index) in [(&mut bonded.first, &group.i), (&mut bonded.second, &group.j)] {
+            sphere.radius = R::from_array(index.map(|k| scene.bonded_sphere(k as usize).radius));
+        }
+    }
+    bonded
 }
 
 // Loads and stores are functions that are always inlined, not closures: a closure that stays a function is compiled
@@ -274,6 +296,7 @@ fn numbers<R: Eight>(
         return gather_bonds(scene, table, group).with_strength_times(strength);
     }
     let length = bonded_offset.dot(bonded_offset).sqrt();
+    let ends = bonded(scene, group, ends);
     gather_joints(scene, group).bond_of_spheres(scene.law.damping, &ends.first, &ends.second, length, strength)
 }
 

@@ -1,0 +1,242 @@
+//! Heat: temperatures and radii of the end of a step, and the heat rates that belong to them.
+//!
+//! The heat rate of a particle is summed like its force: contacts with higher ids, with lower ids, walls; then the sum of
+//! its bonds from zero, in their order; then its surface. Each contact and bond is evaluated once.
+
+use super::bodies::{Bodies, Quad};
+use super::bonds::Bonds;
+use super::pieces::split;
+use super::predict::optional;
+use super::{CHUNK, Cpu};
+use crate::heat_accounts::{IN, OUT};
+use crate::{Exposure, Fault, HeatPlan, Plan};
+use rayon::prelude::*;
+use tdem_physics::contact::{Touch, touch_spheres, touch_wall};
+use tdem_physics::heat::conduction::{bar, circle, flow};
+use tdem_physics::heat::warming::{grown, warmed};
+use tdem_physics::heat::{Conductor, Link, Path};
+
+/// What pairs conduct from the row's particle's side, W; room that is kept from step to step.
+#[derive(Default)]
+pub(super) struct Flows {
+    contacts: Vec<f64>,
+    bonds: Vec<f64>,
+}
+
+impl Cpu {
+    /// Temperatures and radii of the end of the step. The largest growth of a radius since the list was made, m.
+    pub(super) fn warm_all(&mut self) -> Result<f64, Fault> {
+        let Some(heat) = &self.plan.heat else { return Ok(0.0) };
+        let (step, time) = (self.plan.heat_step(), self.plan.heat_time(self.step));
+        let prescribed: Vec<Option<f64>> = heat.exposures.iter().map(|e| value_of(e, time)).collect();
+        let bodies = &mut self.bodies;
+        let listed = &self.neighbours.listed_radius;
+        let (growth, wrong) = (
+            bodies.temperature.par_chunks_mut(CHUNK),
+            bodies.place.par_chunks_mut(CHUNK),
+            (bodies.motion.par_chunks(CHUNK), bodies.force.par_chunks(CHUNK)),
+            (bodies.material.par_chunks(CHUNK), bodies.exposure.par_chunks(CHUNK)),
+            bodies.rank.par_chunks(CHUNK),
+            optional(&mut bodies.reference_radius),
+            optional(&mut bodies.heat_accounts),
+        )
+            .into_par_iter()
+            .enumerate()
+            .map(|(chunk, (temperature, place, (motion, force), (material, exposure), rank, reference, accounts))| {
+                let (mut growth, mut wrong) = (0.0_f64, u32::MAX);
+                for i in 0..temperature.len() {
+                    let thermal = &heat.materials[usize::from(material[i])];
+                    let capacity = motion[i].scalar() * thermal.specific_heat;
+                    let free = warmed(temperature[i], force[i].scalar(), capacity, step);
+                    let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
+                    if let Some(account) = accounts.get_mut(i) {
+                        book(account, capacity * (now - free));
+                    }
+                    temperature[i] = now;
+                    if let Some(&reference) = reference.get(i) {
+                        let radius = grown(reference, thermal.expansion, now - heat.reference_temperature);
+                        place[i].0[3] = radius;
+                        growth = growth.max(radius - listed[chunk * CHUNK + i]);
+                    }
+                    if !(now > 0.0 && now.is_finite()) {
+                        wrong = wrong.min(rank[i]);
+                    }
+                }
+                (growth, wrong)
+            })
+            .reduce(|| (0.0, u32::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
+        if wrong == u32::MAX {
+            return Ok(growth);
+        }
+        let index = self.bodies.rank.iter().position(|&rank| rank == wrong).unwrap_or(0);
+        Err(Fault::Temperature {
+            step: self.step,
+            time: self.time(),
+            particle: self.ids[wrong as usize],
+            temperature: self.bodies.temperature[index],
+        })
+    }
+
+    /// Heat rates of all particles at their present temperatures.
+    pub(super) fn conduct_all(&mut self) {
+        let Some(heat) = &self.plan.heat else { return };
+        let mut flows = std::mem::take(&mut self.flows);
+        let n = self.bodies.len();
+        let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
+        let law = Conduction { plan: &self.plan, heat, bodies: &self.bodies, bonds: &self.bonds };
+        let list = &self.neighbours;
+
+        flows.contacts.resize(list.other.len(), 0.0);
+        let pairs: Vec<usize> = particles.iter().map(|&p| list.start[p] as usize).collect();
+        let pieces: Vec<_> = split(&mut flows.contacts, &pairs).collect();
+        pieces.into_par_iter().zip(particles.par_windows(2)).for_each(|(flow, chunk)| {
+            let base = list.start[chunk[0]] as usize;
+            for i in chunk[0]..chunk[1] {
+                for pair in list.row(i) {
+                    let open = list.touching[pair] && list.bonded.get(pair) != Some(&true);
+                    flow[pair - base] = if open { law.contact(i, list.other[pair] as usize) } else { 0.0 };
+                }
+            }
+        });
+        flows.bonds.resize(self.bonds.table.len(), 0.0);
+        if !self.bonds.is_empty() {
+            let slots: Vec<usize> = particles.iter().map(|&p| self.bonds.start[p] as usize).collect();
+            let pieces: Vec<_> = split(&mut flows.bonds, &slots).collect();
+            pieces.into_par_iter().zip(particles.par_windows(2)).for_each(|(flow, chunk)| {
+                let base = self.bonds.start[chunk[0]] as usize;
+                for slot in chunk[0]..chunk[1] {
+                    for slot in self.bonds.row(slot) {
+                        flow[slot - base] = law.bond(slot);
+                    }
+                }
+            });
+        }
+
+        let outside = outside(heat, &self.plan, self.step);
+        let walls: Vec<Option<f64>> =
+            heat.walls.iter().map(|w| w.as_ref().map(|w| w.value(self.plan.heat_time(self.step)))).collect();
+        let books = if self.history_step > 0.0 { self.plan.heat_step() } else { 0.0 };
+        let rates: Vec<(f64, f64)> = (0..n)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|i| {
+                let mut rate = list.row(i).fold(0.0, |sum, pair| sum + flows.contacts[pair]);
+                rate = list.incoming(i).iter().fold(rate, |sum, &pair| sum - flows.contacts[pair as usize]);
+                let first = list.wall_slots.partition_point(|slot| (slot.particle as usize) < i);
+                let mut foreign = 0.0;
+                for slot in list.wall_slots[first..].iter().take_while(|slot| slot.particle as usize == i) {
+                    if let (true, Some(temperature)) = (slot.touching, walls[slot.wall as usize]) {
+                        foreign += law.wall(i, slot.wall as usize, &self.wall_position, temperature);
+                    }
+                }
+                if !self.bonds.is_empty() {
+                    let own = self.bonds.row(i).fold(0.0, |sum, slot| sum + flows.bonds[slot]);
+                    let incoming = self.bonds.incoming(i).iter();
+                    rate += incoming.fold(own, |sum, &slot| sum - flows.bonds[slot as usize]);
+                }
+                let exposure = usize::from(law.bodies.exposure[i]);
+                for ((exchange, _), &outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
+                    foreign += exchange.heat_rate(law.bodies.temperature[i], outside);
+                }
+                (rate + foreign, foreign * books)
+            })
+            .collect();
+        let bodies = &mut self.bodies;
+        for (force, &(rate, _)) in bodies.force.iter_mut().zip(&rates) {
+            force.0[3] = rate;
+        }
+        for (account, &(_, heat)) in bodies.heat_accounts.iter_mut().zip(&rates) {
+            book(account, heat);
+        }
+        self.flows = flows;
+    }
+}
+
+/// The prescribed temperature of an exposure at a time.
+fn value_of(exposure: &Exposure, time: f64) -> Option<f64> {
+    exposure.temperature.as_ref().map(|course| course.value(time))
+}
+
+/// Outside values of the exchanges of each exposure, those of the middle of the step that follows; none where temperatures
+/// are prescribed.
+fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
+    let middle = 0.5 * (plan.heat_time(step) + plan.heat_time(step + 1));
+    let of_exposure = |exposure: &Exposure| match exposure.temperature {
+        Some(_) => Vec::new(),
+        None => exposure.exchanges.iter().map(|(_, course)| course.value(middle)).collect(),
+    };
+    heat.exposures.iter().map(of_exposure).collect()
+}
+
+/// Books heat that came in, or left if it is negative, J.
+fn book(account: &mut [f64; 4], heat: f64) {
+    if heat > 0.0 {
+        account[IN] += heat;
+    } else {
+        account[OUT] -= heat;
+    }
+}
+
+/// What the conduction of heat looks at.
+struct Conduction<'a> {
+    plan: &'a Plan,
+    heat: &'a HeatPlan,
+    bodies: &'a Bodies,
+    bonds: &'a Bonds,
+}
+
+impl Conduction<'_> {
+    /// Heat rate into the first of two particles that touch, W.
+    fn contact(&self, i: usize, j: usize) -> f64 {
+        let place = |k: usize| -> &Quad { &self.bodies.place[k] };
+        let offset = self.plan.domain.period().nearest(place(j).vector() - place(i).vector());
+        let (first, second) = (place(i).scalar(), place(j).scalar());
+        let touch = touch_spheres(offset, first + second);
+        let conductor = self.heat.conductor(self.bodies.material[i], self.bodies.material[j]);
+        let radius_eff = first * second / (first + second);
+        let conductance = conductance(self.heat.contacts, conductor, first + second, radius_eff, &touch);
+        flow(conductance, self.bodies.temperature[i], self.bodies.temperature[j])
+    }
+    /// Heat rate from a wall into a particle that touches it, W.
+    fn wall(&self, i: usize, wall: usize, position: &[[f64; 3]], temperature: f64) -> f64 {
+        let place = &self.bodies.place[i];
+        let described = &self.plan.walls[wall];
+        let touch = touch_wall(place.vector(), place.scalar(), position[wall].into(), described.normal.into());
+        let conductor = self.heat.conductor(self.bodies.material[i], described.material);
+        let radius = place.scalar();
+        let conductance = conductance(self.heat.contacts, conductor, 2.0 * radius, radius, &touch);
+        flow(conductance, self.bodies.temperature[i], temperature)
+    }
+    /// Heat rate into the row's particle through a bond, W.
+    fn bond(&self, slot: usize) -> f64 {
+        if !self.bonds.holds[slot] {
+            return 0.0;
+        }
+        let (i, j) = (self.bonds.owner[slot] as usize, self.bonds.other[slot] as usize);
+        let link = link(self.heat, self.bodies, self.bonds, slot);
+        flow(link.conductance, self.bodies.temperature[i], self.bodies.temperature[j])
+    }
+}
+
+/// Conductance of a contact, W/K.
+fn conductance(path: Path, conductor: &Conductor<f64>, radius_sum: f64, radius_eff: f64, touch: &Touch<f64>) -> f64 {
+    match path {
+        Path::Bar => bar(conductor, radius_sum, touch.distance),
+        Path::Circle if touch.overlap > 0.0 => circle(conductor.conductivity, radius_eff, touch.overlap),
+        Path::Closed | Path::Circle => 0.0,
+    }
+}
+
+/// What a bond is to heat.
+#[inline(always)]
+pub(super) fn link(heat: &HeatPlan, bodies: &Bodies, bonds: &Bonds, slot: usize) -> Link<f64> {
+    let (i, j) = (bonds.owner[slot] as usize, bonds.other[slot] as usize);
+    let [a, b] = [i, j].map(|k| bodies.material[k]);
+    if let Some(alike) = &bonds.links {
+        return alike[usize::from(a) * heat.materials.len() + usize::from(b)];
+    }
+    let radius = |k: usize| bodies.reference_radius.get(k).copied().unwrap_or_else(|| bodies.place[k].scalar());
+    let offset: tdem_physics::Vec3<f64> = bonds.offset[slot].into();
+    let expansions = [a, b].map(|material| heat.expansion(material));
+    Link::between(heat.conductor(a, b), [radius(i), radius(j)], expansions, offset.dot(offset).sqrt())
+}

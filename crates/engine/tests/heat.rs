@@ -1,0 +1,288 @@
+//! Heat through contacts, bonds, walls and surfaces, and what it does to lengths.
+
+mod common;
+
+use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, chain, cracking_block, free_space, lattice};
+use common::{DENSITY, random, scene, spheres};
+use tdem_engine::cpu::{List, Options, Width};
+use tdem_engine::physics::contact::Law;
+use tdem_engine::physics::heat::surface::surface_conductance;
+use tdem_engine::physics::heat::{Conductor, Exchange, Path};
+use tdem_engine::{
+    Constraint, Course, Exposure, Fault, HeatPlan, Integrator, Plan, Simulation, State, Thermal, heat_accounts,
+};
+
+const REFERENCE: f64 = 293.15;
+const SPECIFIC_HEAT: f64 = 900.0;
+const EXPANSION: f64 = 1e-4;
+
+/// Adds heat to a scene: all of one temperature, insulated.
+fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
+    let n = state.len();
+    let conductor = Conductor { conductivity: 1.5, section: 0.35 };
+    plan.heat = Some(HeatPlan {
+        time_scale: 2.0,
+        reference_temperature: REFERENCE,
+        materials: vec![Thermal { specific_heat: SPECIFIC_HEAT, expansion }; plan.materials],
+        conductors: vec![conductor; plan.materials * plan.materials],
+        contacts: Path::Bar,
+        exposures: vec![Exposure::default()],
+        walls: vec![None; plan.walls.len()],
+    });
+    state.temperature = vec![REFERENCE; n];
+    state.heat_rate = vec![0.0; n];
+    state.exposure = vec![0; n];
+    state.reference_radius = if plan.expands() { state.radius.clone() } else { Vec::new() };
+}
+
+fn heat_of(plan: &mut Plan) -> &mut HeatPlan {
+    plan.heat.as_mut().expect("the plan has heat")
+}
+
+fn constant(value: f64) -> Course {
+    Course(vec![[0.0, value]])
+}
+
+fn after(state: &State, plan: &Plan, options: Options, steps: u64) -> State {
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
+    simulation.advance(steps).expect("the scene runs through");
+    simulation.state().expect("a state can be taken")
+}
+
+/// Heat in all particles, with what is under way into the next step, J.
+fn stored(state: &State, plan: &Plan) -> f64 {
+    (0..state.len())
+        .map(|i| state.mass[i] * SPECIFIC_HEAT * state.temperature[i] + state.heat_rate[i] * plan.heat_step())
+        .sum()
+}
+
+/// A chain that is held in place, and the conductance of its bonds.
+fn held_chain(count: usize) -> (State, Plan, f64) {
+    let mut plan = free_space(ELASTIC, JOINT);
+    plan.constraints.push(CLAMPED);
+    let mut state = chain(count, &plan);
+    state.constraint = vec![1; count];
+    heated(&mut state, &mut plan, 0.0);
+    heat_of(&mut plan).time_scale = 1e5;
+    let conductance = 1.5 * 0.35 * (2.0 * RADIUS) * (2.0 * RADIUS) / (2.0 * RADIUS);
+    (state, plan, conductance)
+}
+
+#[test]
+fn two_particles_meet_as_euler_says() {
+    let (mut state, plan, conductance) = held_chain(2);
+    state.temperature = vec![400.0, 300.0];
+    let capacity = state.mass[0] * SPECIFIC_HEAT;
+    let end = after(&state, &plan, Options::default(), 50);
+    let factor = 1.0 - plan.heat_step() * conductance * 2.0 / capacity;
+    let expected = 100.0 * (0..50).fold(1.0, |decay, _| decay * factor);
+    let found = end.temperature[0] - end.temperature[1];
+    assert!(expected > 1.0 && expected < 99.0, "{expected}");
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+}
+
+#[test]
+fn an_insulated_chain_follows_its_mode() {
+    let (mut state, plan, conductance) = held_chain(20);
+    // cos(pi / 20) and cos(pi / 40); the mode is cos(pi (j + 1/2) / 20).
+    let (step, half) = (0.987_688_340_595_137_8, 0.996_917_333_733_128);
+    let mut mode = vec![half, half * (2.0 * step - 1.0)];
+    (2..20).for_each(|j| mode.push(2.0 * step * mode[j - 1] - mode[j - 2]));
+    state.temperature = mode.iter().map(|mode| 350.0 + 40.0 * mode).collect();
+    let end = after(&state, &plan, Options::default(), 200);
+    let number = plan.heat_step() * conductance / (state.mass[0] * SPECIFIC_HEAT);
+    // 4 sin^2(pi / 40) = 2 (1 - cos(pi / 20)).
+    let decay = (0..200).fold(1.0, |decay, _| decay * (1.0 - number * 2.0 * (1.0 - step)));
+    assert!(decay < 0.95);
+    for j in 0..20 {
+        let expected = 350.0 + 40.0 * mode[j] * decay;
+        assert!((end.temperature[j] - expected).abs() < 1e-10, "{j}: {} {expected}", end.temperature[j]);
+    }
+}
+
+#[test]
+fn prescribed_ends_give_a_straight_line_and_what_goes_in_comes_out() {
+    let (mut state, mut plan, conductance) = held_chain(6);
+    let held = |value| Exposure { temperature: Some(constant(value)), exchanges: Vec::new() };
+    heat_of(&mut plan).exposures.extend([held(400.0), held(300.0)]);
+    (state.exposure[0], state.exposure[5]) = (1, 2);
+    plan.ledger = true;
+    let end = after(&state, &plan, Options::default(), 20_000);
+    for j in 0..6 {
+        assert!((end.temperature[j] - (400.0 - 20.0 * j as f64)).abs() < 1e-8, "{j}: {}", end.temperature[j]);
+    }
+    let later = after(&end, &plan, Options::default(), 100);
+    let came = |state: &State, column: usize| state.heat_accounts.iter().map(|account| account[column]).sum::<f64>();
+    let expected = 100.0 * plan.heat_step() * conductance * 20.0;
+    for column in [heat_accounts::IN, heat_accounts::OUT] {
+        let through = came(&later, column) - came(&end, column);
+        assert!((through / expected - 1.0).abs() < 1e-8, "{through} {expected}");
+    }
+}
+
+#[test]
+fn a_lump_cools_through_its_surface() {
+    let (mut state, mut plan, _) = held_chain(1);
+    let conductance = surface_conductance(1e-4, 0.0, 1.5, 10.0);
+    let exchange = Exchange { flux_area: 0.0, conductance, radiation: 0.0, resistance: 0.0 };
+    heat_of(&mut plan).exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, constant(300.0))] });
+    (state.exposure[0], state.temperature[0]) = (1, 500.0);
+    let end = after(&state, &plan, Options::default(), 1000);
+    let factor = 1.0 - plan.heat_step() * conductance / (state.mass[0] * SPECIFIC_HEAT);
+    let expected = 300.0 + 200.0 * (0..1000).fold(1.0, |decay, _| decay * factor);
+    assert!((end.temperature[0] - expected).abs() < 1e-9 && expected < 495.0, "{} {expected}", end.temperature[0]);
+}
+
+#[test]
+fn a_block_that_expands_freely_is_free_of_stress() {
+    let mut plan = free_space(ELASTIC, JOINT);
+    let mut state = spheres(&lattice([3, 2, 2]), DENSITY);
+    bond_neighbours(&mut state, &plan);
+    heated(&mut state, &mut plan, EXPANSION);
+    let (warmth, grown) = (500.0, 1.0 + EXPANSION * 500.0);
+    state.temperature.fill(REFERENCE + warmth);
+    state.radius.iter_mut().for_each(|radius| *radius *= grown);
+    state.position.iter_mut().flatten().for_each(|x| *x *= grown);
+    let end = after(&state, &plan, Options::default(), 10);
+    // Against what a bond would bear that is not let grow.
+    let area = std::f64::consts::PI * RADIUS * RADIUS;
+    let clamped = 7.5e8 * area * EXPANSION * warmth * 2.0 * RADIUS;
+    for force in end.force.iter().flatten() {
+        assert!(force.abs() < 1e-9 * clamped, "{force} of {clamped}");
+    }
+    let mut cold = state.clone();
+    cold.position.iter_mut().flatten().for_each(|x| *x /= grown);
+    let pressed = after(&cold, &plan, Options::default(), 0);
+    let largest = pressed.force.iter().flatten().fold(0.0, |largest: f64, force| largest.max(force.abs()));
+    assert!(largest > 0.5 * clamped, "{largest} of {clamped}");
+}
+
+/// A colliding cloud between walls of which two are warm, expanding.
+fn warm_cloud() -> (State, Plan) {
+    let (mut state, mut plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 2.0);
+    heated(&mut state, &mut plan, EXPANSION);
+    let heat = heat_of(&mut plan);
+    heat.time_scale = 3e3;
+    heat.walls[0] = Some(Course(vec![[0.0, 300.0], [10.0, 900.0]]));
+    heat.walls[2] = Some(constant(700.0));
+    let warm = Exchange { flux_area: 2e-5, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+    let glow = Exchange { flux_area: 0.0, conductance: 1e-3, radiation: 5e-12, resistance: 30.0 };
+    heat.exposures
+        .push(Exposure { temperature: None, exchanges: vec![(warm, constant(-400.0)), (glow, constant(900.0))] });
+    for i in 0..state.len() {
+        state.temperature[i] = 350.0 + 300.0 * random(11, i as u64);
+        state.radius[i] = state.reference_radius[i] * (1.0 + EXPANSION * (state.temperature[i] - REFERENCE));
+        state.exposure[i] = u16::from(i % 5 == 0);
+    }
+    (state, plan)
+}
+
+fn all_options() -> Vec<Options> {
+    let lists = [List::Half, List::Full];
+    Width::ALL
+        .into_iter()
+        .flat_map(|width| lists.map(|list| (width, list)))
+        .zip([1, 2, 3].into_iter().cycle())
+        .map(|((width, list), threads)| Options { threads: Some(threads), width, list, ..Options::default() })
+        .collect()
+}
+
+#[test]
+fn bits_do_not_depend_on_how_heat_is_computed() {
+    let (mut block, mut block_plan) = cracking_block(ELASTIC, Integrator::VelocityVerlet);
+    heated(&mut block, &mut block_plan, EXPANSION);
+    heat_of(&mut block_plan).time_scale = 1e4;
+    for i in 0..block.len() {
+        block.temperature[i] = 300.0 + 200.0 * random(12, i as u64);
+    }
+    for (name, steps, (state, plan)) in [("cloud", 400, warm_cloud()), ("block", 400, (block, block_plan))] {
+        let expected = after(&state, &plan, Options::default(), steps);
+        if name == "block" {
+            let broken = expected.bonds.iter().filter(|bond| !bond.holds()).count();
+            assert!(broken > 0 && broken < expected.bonds.len(), "{broken} broke");
+        }
+        for options in all_options() {
+            let found = after(&state, &plan, options, steps);
+            assert_eq!(found.hash(), expected.hash(), "{name}, {options:?}");
+        }
+        let half = after(&state, &plan, Options::default(), steps / 2);
+        assert_eq!(after(&half, &plan, Options::default(), steps / 2).hash(), expected.hash(), "{name}, in two parts");
+        for skin in [5e-4, 4e-3] {
+            let mut other = plan.clone();
+            other.search.skin = skin;
+            assert_eq!(after(&state, &other, Options::default(), steps).hash(), expected.hash(), "{name}, skin {skin}");
+        }
+    }
+}
+
+#[test]
+fn heat_is_kept() {
+    let (mut state, mut plan) = warm_cloud();
+    plan.ledger = true;
+    let begin = after(&state, &plan, Options::default(), 0);
+    let end = after(&state, &plan, Options::default(), 1000);
+    let [came, left] = [heat_accounts::IN, heat_accounts::OUT]
+        .map(|column| end.heat_accounts.iter().map(|account| account[column]).sum::<f64>());
+    let error = stored(&end, &plan) - stored(&begin, &plan) - came + left;
+    assert!(came > 1e-3 * stored(&begin, &plan) && left > 0.0, "{came} {left}");
+    assert!(error.abs() < 1e-12 * stored(&end, &plan), "{error}");
+
+    // The same without walls and surfaces.
+    state.exposure.fill(0);
+    heat_of(&mut plan).walls.fill(None);
+    let end = after(&state, &plan, Options::default(), 1000);
+    let spread = end.temperature.iter().zip(&state.temperature).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let balance = stored(&end, &plan) / stored(&after(&state, &plan, Options::default(), 0), &plan) - 1.0;
+    assert!(spread > 1.0 && balance.abs() < 1e-13, "{spread} {balance}");
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let (state, plan, _) = held_chain(3);
+    let refused = |state: &State, plan: &Plan| {
+        matches!(Simulation::new(state.clone(), plan.clone(), Options::default()), Err(Fault::Inconsistent { .. }))
+    };
+    assert!(!refused(&state, &plan));
+    let mut frozen = state.clone();
+    frozen.temperature[1] = -1.0;
+    assert!(refused(&frozen, &plan));
+    let mut short = state.clone();
+    short.exposure.pop();
+    assert!(refused(&short, &plan));
+    let mut backwards = plan.clone();
+    let course = Course(vec![[1.0, 300.0], [0.0, 400.0]]);
+    heat_of(&mut backwards).exposures.push(Exposure { temperature: Some(course), exchanges: Vec::new() });
+    assert!(refused(&state, &backwards));
+
+    // A step of the heat beyond the limit is found before temperatures mean nothing.
+    let (mut state, mut plan, _) = held_chain(2);
+    state.temperature = vec![1000.0, 10.0];
+    heat_of(&mut plan).time_scale = 1e8;
+    let mut simulation = Simulation::new(state, plan, Options::default()).expect("the scene is sound");
+    assert!(matches!(simulation.advance(10), Err(Fault::Temperature { particle: 0, step: 1, .. })));
+}
+
+#[test]
+fn a_bond_that_broke_hands_its_heat_to_the_contact() {
+    let (mut state, mut plan, conductance) = held_chain(2);
+    state.temperature = vec![400.0, 300.0];
+    let pull = Constraint { velocity: [Some(1.0), Some(0.0), Some(0.0)], ..CLAMPED };
+    plan.constraints.push(pull);
+    let rate = |state: &State| state.heat_rate[0];
+    assert!((rate(&after(&state, &plan, Options::default(), 0)) / (-100.0 * conductance) - 1.0).abs() < 1e-12);
+    // Apart and broken: nothing.
+    let mut apart = state.clone();
+    apart.constraint[1] = 2;
+    let joint = plan.bonds.as_mut().and_then(|bonds| bonds.joints[0].as_mut()).expect("there is a joint");
+    joint.cement.tensile_strength = 1.0;
+    let torn = after(&apart, &plan, Options::default(), 3);
+    assert!(!torn.bonds[0].holds() && rate(&torn) == 0.0);
+    // Broken and pressed together: the contact's own path.
+    let mut pressed = torn.clone();
+    pressed.position[1][0] = pressed.position[0][0] + 1.98 * RADIUS;
+    pressed.constraint = vec![1; 2];
+    let touching = after(&pressed, &plan, Options::default(), 1);
+    let expected = 1.5 * 0.35 * (2.0 * RADIUS) * (2.0 * RADIUS) / (1.98 * RADIUS);
+    let difference = touching.temperature[1] - touching.temperature[0];
+    assert!((rate(&touching) / (expected * difference) - 1.0).abs() < 1e-9);
+}
