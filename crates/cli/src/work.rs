@@ -161,6 +161,9 @@ fn cause(fault: &Fault, dt: f64) -> String {
              prescribed that pushes particles into each other or through walls\n",
             short(dt)
         ),
+        Fault::Temperature { .. } => {
+            "the time scale of the heat is too large for this step, or the surroundings are\n".to_owned()
+        }
         _ => String::new(),
     }
 }

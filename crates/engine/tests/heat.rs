@@ -286,3 +286,18 @@ fn a_bond_that_broke_hands_its_heat_to_the_contact() {
     let difference = touching.temperature[1] - touching.temperature[0];
     assert!((rate(&touching) / (expected * difference) - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_bond_and_the_contact_beside_it_conduct_once() {
+    let (mut state, mut plan, conductance) = held_chain(2);
+    state.temperature = vec![400.0, 300.0];
+    state.position[1][0] = 1.98 * RADIUS;
+    for beside in [false, true] {
+        plan.bonds.as_mut().expect("the plan has bonds").contact_in_bonded_pairs = beside;
+        for options in all_options() {
+            let end = after(&state, &plan, options, 0);
+            assert!((end.heat_rate[0] / (-100.0 * conductance) - 1.0).abs() < 1e-12, "{beside}, {options:?}");
+            assert_eq!(end.heat_rate[1].to_bits(), (-end.heat_rate[0]).to_bits());
+        }
+    }
+}

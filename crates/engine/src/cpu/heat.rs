@@ -93,8 +93,9 @@ impl Cpu {
             let base = list.start[chunk[0]] as usize;
             for i in chunk[0]..chunk[1] {
                 for pair in list.row(i) {
-                    let open = list.touching[pair] && list.bonded.get(pair) != Some(&true);
-                    flow[pair - base] = if open { law.contact(i, list.other[pair] as usize) } else { 0.0 };
+                    let j = list.other[pair] as usize;
+                    let open = list.touching[pair] && list.bonded.get(pair) != Some(&true) && !law.beside_bond(i, j);
+                    flow[pair - base] = if open { law.contact(i, j) } else { 0.0 };
                 }
             }
         });
@@ -196,6 +197,11 @@ impl Conduction<'_> {
         let radius_eff = first * second / (first + second);
         let conductance = conductance(self.heat.contacts, conductor, first + second, radius_eff, &touch);
         flow(conductance, self.bodies.temperature[i], self.bodies.temperature[j])
+    }
+    /// Whether a contact acts beside a bond that holds: then the bond alone conducts.
+    fn beside_bond(&self, i: usize, j: usize) -> bool {
+        let beside = self.plan.bonds.as_ref().is_some_and(|bonds| bonds.contact_in_bonded_pairs);
+        beside && !self.bonds.is_empty() && self.bonds.hold(&self.bodies.rank, i, j)
     }
     /// Heat rate from a wall into a particle that touches it, W.
     fn wall(&self, i: usize, wall: usize, position: &[[f64; 3]], temperature: f64) -> f64 {

@@ -130,7 +130,7 @@ impl<R: Real> Link<R> {
 /// ```
 /// use tdem_physics::heat::conduction::face_centred_bar;
 /// assert!((face_centred_bar(None) - 0.670938267).abs() < 1e-9);
-/// assert!((face_centred_bar(Some([28, 28])) - 0.677004).abs() < 1e-6);
+/// assert!((face_centred_bar(Some([28, 28])) - 0.677010).abs() < 1e-6);
 /// ```
 #[must_use]
 pub fn face_centred_bar(cells: Option<[u32; 2]>) -> f64 {
