@@ -203,6 +203,7 @@ impl Backend for Cpu {
         self.bodies.bytes()
             + self.bonds.bytes(&self.plan)
             + self.neighbours.bytes()
+            + self.flows.bytes()
             + std::mem::size_of_val(&self.ids[..])
     }
     fn profile(&mut self, steps: u64) -> Result<Profile, Fault> {

@@ -63,7 +63,7 @@ pub struct Exposure {
     pub exchanges: Vec<(Exchange<f64>, Course)>,
 }
 
-/// Columns of [`State::heat_accounts`], each summed over all steps, J; two are not used.
+/// Columns of [`State::heat_accounts`], each summed over all steps, J.
 pub mod heat_accounts {
     /// Came in through surfaces and walls, and by prescribed temperatures.
     pub const IN: usize = 0;
@@ -87,7 +87,16 @@ impl HeatPlan {
     pub fn expansion(&self, material: u16) -> f64 {
         self.materials[usize::from(material)].expansion
     }
+    /// What a bond is to heat, from materials, radii (m) and length (m) at bonding.
+    pub(crate) fn link(&self, materials: [u16; 2], radii: [f64; 2], bonded_length: f64) -> Link<f64> {
+        let expansions = materials.map(|material| self.expansion(material));
+        Link::between(self.conductor(materials[0], materials[1]), radii, expansions, bonded_length)
+    }
     fn is_sound(&self, plan: &Plan) -> bool {
+        let not_negative = |number: f64| number.is_finite() && number >= 0.0;
+        let warm = |course: &Course| course.0.iter().all(|point| point[1] > 0.0);
+        let exchanges = || self.exposures.iter().flat_map(|exposure| &exposure.exchanges);
+        let prescribed = self.exposures.iter().filter_map(|exposure| exposure.temperature.as_ref());
         let positive = |number: f64| number.is_finite() && number > 0.0;
         let courses = self.exposures.iter().flat_map(|exposure| {
             exposure.temperature.iter().chain(exposure.exchanges.iter().map(|(_, outside)| outside))
@@ -97,6 +106,13 @@ impl HeatPlan {
             && self.materials.len() == plan.materials
             && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
             && self.conductors.len() == plan.materials * plan.materials
+            && self.conductors.iter().all(|c| not_negative(c.conductivity) && not_negative(c.section))
+            && exchanges().all(|(Exchange { flux_area, conductance, radiation, resistance }, outside)| {
+                // Only a flux may be negative.
+                [flux_area, conductance, radiation, resistance].iter().all(|&&number| not_negative(number))
+                    && (*flux_area > 0.0 && *conductance == 0.0 && *radiation == 0.0 || warm(outside))
+            })
+            && prescribed.chain(self.walls.iter().flatten()).all(warm)
             && self.exposures.first() == Some(&Exposure::default())
             && self.walls.len() == plan.walls.len()
             && courses.chain(self.walls.iter().flatten()).all(Course::is_sound)
@@ -132,9 +148,8 @@ impl State {
     pub(crate) fn link(&self, plan: &Plan, first: usize, second: usize, bonded_length: f64) -> Option<Link<f64>> {
         let heat = plan.heat.as_ref()?;
         let materials = [first, second].map(|index| self.material[index]);
-        let expansions = materials.map(|material| heat.expansion(material));
         let radii = [first, second].map(|index| self.bonded_radius(index));
-        Some(Link::between(heat.conductor(materials[0], materials[1]), radii, expansions, bonded_length))
+        Some(heat.link(materials, radii, bonded_length))
     }
 
     /// Links of the bonds of each pair of materials, `(materials, materials)`, row by row, if nothing else decides about

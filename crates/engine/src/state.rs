@@ -65,8 +65,8 @@ pub struct State {
     pub exposure: Vec<u16>,
     /// $R_0$, m, `(N)`: the radius at the reference temperature; empty where nothing expands.
     pub reference_radius: Vec<f64>,
-    /// Heat accounts of each particle, J, `(N, 4)`, see [`crate::heat_accounts`]; empty without ledger or heat.
-    pub heat_accounts: Vec<[f64; 4]>,
+    /// Heat accounts of each particle, J, `(N, 2)`, see [`crate::heat_accounts`]; empty without ledger or heat.
+    pub heat_accounts: Vec<[f64; 2]>,
 }
 
 /// Columns of [`State::accounts`], each summed over all steps.

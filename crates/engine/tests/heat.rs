@@ -254,6 +254,20 @@ fn what_cannot_be_is_refused() {
     heat_of(&mut backwards).exposures.push(Exposure { temperature: Some(course), exchanges: Vec::new() });
     assert!(refused(&state, &backwards));
 
+    let mut insulating = plan.clone();
+    heat_of(&mut insulating).conductors[0].conductivity = f64::NAN;
+    assert!(refused(&state, &insulating));
+    for (conductance, outside) in [(-1.0, 300.0), (1.0, -3.0), (f64::INFINITY, 300.0)] {
+        let exchange = Exchange { flux_area: 0.0, conductance, radiation: 0.0, resistance: 0.0 };
+        let mut wrong = plan.clone();
+        let exchanges = vec![(exchange, constant(outside))];
+        heat_of(&mut wrong).exposures.push(Exposure { temperature: None, exchanges });
+        assert!(refused(&state, &wrong), "{conductance} {outside}");
+    }
+    let mut icy = plan.clone();
+    heat_of(&mut icy).exposures.push(Exposure { temperature: Some(constant(0.0)), exchanges: Vec::new() });
+    assert!(refused(&state, &icy));
+
     // A step of the heat beyond the limit is found before temperatures mean nothing.
     let (mut state, mut plan, _) = held_chain(2);
     state.temperature = vec![1000.0, 10.0];
@@ -298,6 +312,30 @@ fn a_bond_and_the_contact_beside_it_conduct_once() {
             let end = after(&state, &plan, options, 0);
             assert!((end.heat_rate[0] / (-100.0 * conductance) - 1.0).abs() < 1e-12, "{beside}, {options:?}");
             assert_eq!(end.heat_rate[1].to_bits(), (-end.heat_rate[0]).to_bits());
+        }
+    }
+}
+
+#[test]
+fn contacts_and_walls_conduct_by_their_path() {
+    // Two spheres that overlap by 1e-4 m, the first of them by 2e-4 m with a wall.
+    let (overlap, depth) = (1e-4, 2e-4);
+    let mut plan = common::plan(Law::GNTM, [-1.0; 3], [1.0; 3], [false; 3]);
+    plan.walls = vec![common::wall("floor", [1.0, 0.0, 0.0], [0.0; 3])];
+    let mut state = spheres(&[([0.0; 3], RADIUS), ([2.0 * RADIUS - overlap, 0.0, 0.0], RADIUS)], DENSITY);
+    state.wall_position = vec![[depth - RADIUS, 0.0, 0.0]];
+    heated(&mut state, &mut plan, 0.0);
+    heat_of(&mut plan).walls[0] = Some(constant(600.0));
+    state.temperature = vec![400.0, 300.0];
+    let section = 0.35 * (2.0 * RADIUS) * (2.0 * RADIUS);
+    let bars = [1.5 * section / (2.0 * RADIUS - overlap), 1.5 * section / (RADIUS - depth)];
+    let circles = [2.0 * 1.5 * (0.5 * RADIUS * overlap).sqrt(), 2.0 * 1.5 * (RADIUS * depth).sqrt()];
+    for (path, [between, at_wall]) in [(Path::Bar, bars), (Path::Circle, circles), (Path::Closed, [0.0; 2])] {
+        heat_of(&mut plan).contacts = path;
+        let rate = after(&state, &plan, Options::default(), 0).heat_rate;
+        let expected = [at_wall * 200.0 - between * 100.0, between * 100.0];
+        for k in 0..2 {
+            assert!((rate[k] - expected[k]).abs() <= 1e-9 * expected[k].abs(), "{path:?}: {rate:?} {expected:?}");
         }
     }
 }

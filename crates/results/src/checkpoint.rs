@@ -258,7 +258,7 @@ macro_rules! element {
 }
 element! {
     u8: U8 [], u16: U16 [], u32: U32 [], u64: U64 [], f64: F64 [],
-    [u32; 2]: U32 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [f64; 10]: F64 [10],
+    [u32; 2]: U32 [2], [f64; 2]: F64 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [f64; 10]: F64 [10],
     [[f64; 3]; 4]: F64 [4, 3],
 }
 
@@ -525,7 +525,7 @@ mod tests {
             heat_rate: vec![0.0, -1.5, 2.0],
             exposure: vec![0, 1, 2],
             reference_radius: vec![1e-3; 3],
-            heat_accounts: vec![[1.0, 2.0, 0.0, 0.0]; 3],
+            heat_accounts: vec![[1.0, 2.0]; 3],
             ..State::default()
         });
     }

@@ -69,7 +69,7 @@ pub(crate) struct Bodies {
     /// Radius at the reference temperature, m; optional.
     pub(crate) reference_radius: Vec<f64>,
     /// Optional.
-    pub(crate) heat_accounts: Vec<[f64; 4]>,
+    pub(crate) heat_accounts: Vec<[f64; 2]>,
 }
 
 impl Bodies {
@@ -112,7 +112,7 @@ impl Bodies {
             reference_radius: state.reference_radius.clone(),
             heat_accounts: match (plan.ledger && plan.heat.is_some(), state.heat_accounts.is_empty()) {
                 (false, _) => Vec::new(),
-                (true, true) => vec![[0.0; 4]; n],
+                (true, true) => vec![[0.0; 2]; n],
                 (true, false) => state.heat_accounts.clone(),
             },
         }
@@ -171,7 +171,7 @@ impl Bodies {
             (plan.ledger && !gear && moments, size_of::<Quad>()),
             (plan.heat.is_some(), size_of::<f64>() + size_of::<u16>()),
             (plan.expands(), size_of::<f64>()),
-            (plan.ledger && plan.heat.is_some(), size_of::<[f64; 4]>()),
+            (plan.ledger && plan.heat.is_some(), size_of::<[f64; 2]>()),
         ];
         let optional: usize = optional.iter().filter(|(there, _)| *there).map(|(_, size)| size).sum();
         size_of::<u32>() + 4 * size_of::<Quad>() + 2 * size_of::<u16>() + optional

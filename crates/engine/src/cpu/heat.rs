@@ -1,7 +1,7 @@
 //! Heat: temperatures and radii of the end of a step, and the heat rates that belong to them.
 //!
-//! The heat rate of a particle is summed like its force: contacts with higher ids, with lower ids, walls; then the sum of
-//! its bonds from zero, in their order; then its surface. Each contact and bond is evaluated once.
+//! The heat rate of a particle is summed like its force: contacts with higher ids, with lower ids; then the sum of its
+//! bonds from zero, in their order; then what is foreign, from zero: walls, by their indices, and its surface.
 
 use super::bodies::{Bodies, Quad};
 use super::bonds::Bonds;
@@ -11,6 +11,7 @@ use super::{CHUNK, Cpu};
 use crate::heat_accounts::{IN, OUT};
 use crate::{Exposure, Fault, HeatPlan, Plan};
 use rayon::prelude::*;
+use tdem_physics::contact::encounter::radius_eff;
 use tdem_physics::contact::{Touch, touch_spheres, touch_wall};
 use tdem_physics::heat::conduction::{bar, circle, flow};
 use tdem_physics::heat::warming::{grown, warmed};
@@ -21,6 +22,12 @@ use tdem_physics::heat::{Conductor, Link, Path};
 pub(super) struct Flows {
     contacts: Vec<f64>,
     bonds: Vec<f64>,
+}
+
+impl Flows {
+    pub(super) fn bytes(&self) -> usize {
+        std::mem::size_of_val(&self.contacts[..]) + std::mem::size_of_val(&self.bonds[..])
+    }
 }
 
 impl Cpu {
@@ -105,10 +112,8 @@ impl Cpu {
             let pieces: Vec<_> = split(&mut flows.bonds, &slots).collect();
             pieces.into_par_iter().zip(particles.par_windows(2)).for_each(|(flow, chunk)| {
                 let base = self.bonds.start[chunk[0]] as usize;
-                for slot in chunk[0]..chunk[1] {
-                    for slot in self.bonds.row(slot) {
-                        flow[slot - base] = law.bond(slot);
-                    }
+                for slot in base..self.bonds.start[chunk[1]] as usize {
+                    flow[slot - base] = law.bond(slot);
                 }
             });
         }
@@ -117,10 +122,14 @@ impl Cpu {
         let walls: Vec<Option<f64>> =
             heat.walls.iter().map(|w| w.as_ref().map(|w| w.value(self.plan.heat_time(self.step)))).collect();
         let books = if self.history_step > 0.0 { self.plan.heat_step() } else { 0.0 };
-        let rates: Vec<(f64, f64)> = (0..n)
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map(|i| {
+        // Force and accounts stand aside while the rest of the bodies is looked at.
+        let mut force = std::mem::take(&mut self.bodies.force);
+        let mut accounts = std::mem::take(&mut self.bodies.heat_accounts);
+        let law = Conduction { plan: &self.plan, heat, bodies: &self.bodies, bonds: &self.bonds };
+        let tasks = force.par_chunks_mut(CHUNK).zip(optional(&mut accounts)).enumerate();
+        tasks.for_each(|(chunk, (force, accounts))| {
+            for k in 0..force.len() {
+                let i = chunk * CHUNK + k;
                 let mut rate = list.row(i).fold(0.0, |sum, pair| sum + flows.contacts[pair]);
                 rate = list.incoming(i).iter().fold(rate, |sum, &pair| sum - flows.contacts[pair as usize]);
                 let first = list.wall_slots.partition_point(|slot| (slot.particle as usize) < i);
@@ -139,16 +148,13 @@ impl Cpu {
                 for ((exchange, _), &outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
                     foreign += exchange.heat_rate(law.bodies.temperature[i], outside);
                 }
-                (rate + foreign, foreign * books)
-            })
-            .collect();
-        let bodies = &mut self.bodies;
-        for (force, &(rate, _)) in bodies.force.iter_mut().zip(&rates) {
-            force.0[3] = rate;
-        }
-        for (account, &(_, heat)) in bodies.heat_accounts.iter_mut().zip(&rates) {
-            book(account, heat);
-        }
+                force[k].0[3] = rate + foreign;
+                if let Some(account) = accounts.get_mut(k) {
+                    book(account, foreign * books);
+                }
+            }
+        });
+        (self.bodies.force, self.bodies.heat_accounts) = (force, accounts);
         self.flows = flows;
     }
 }
@@ -170,7 +176,7 @@ fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
 }
 
 /// Books heat that came in, or left if it is negative, J.
-fn book(account: &mut [f64; 4], heat: f64) {
+fn book(account: &mut [f64; 2], heat: f64) {
     if heat > 0.0 {
         account[IN] += heat;
     } else {
@@ -194,7 +200,7 @@ impl Conduction<'_> {
         let (first, second) = (place(i).scalar(), place(j).scalar());
         let touch = touch_spheres(offset, first + second);
         let conductor = self.heat.conductor(self.bodies.material[i], self.bodies.material[j]);
-        let radius_eff = first * second / (first + second);
+        let radius_eff = radius_eff(first, second);
         let conductance = conductance(self.heat.contacts, conductor, first + second, radius_eff, &touch);
         flow(conductance, self.bodies.temperature[i], self.bodies.temperature[j])
     }
@@ -241,8 +247,7 @@ pub(super) fn link(heat: &HeatPlan, bodies: &Bodies, bonds: &Bonds, slot: usize)
     if let Some(alike) = &bonds.links {
         return alike[usize::from(a) * heat.materials.len() + usize::from(b)];
     }
-    let radius = |k: usize| bodies.reference_radius.get(k).copied().unwrap_or_else(|| bodies.place[k].scalar());
+    let radii = [i, j].map(|k| bodies.reference_radius.get(k).copied().unwrap_or_else(|| bodies.place[k].scalar()));
     let offset: tdem_physics::Vec3<f64> = bonds.offset[slot].into();
-    let expansions = [a, b].map(|material| heat.expansion(material));
-    Link::between(heat.conductor(a, b), [radius(i), radius(j)], expansions, offset.dot(offset).sqrt())
+    heat.link([a, b], radii, offset.dot(offset).sqrt())
 }

@@ -128,7 +128,7 @@ impl<R: Real> Encounter<R> {
             overlap: touch.overlap,
             relative_velocity,
             settled_velocity: relative_velocity,
-            radius_eff: (first.radius * second.radius / (first.radius + second.radius)).named("radius_eff"),
+            radius_eff: radius_eff(first.radius, second.radius).named("radius_eff"),
             mass_eff: (first.mass * second.mass / (first.mass + second.mass)).named("mass_eff"),
         }
     }
@@ -187,6 +187,12 @@ impl<R: Real> Kick<R> {
     pub fn none() -> Self {
         Kick { velocity: Vec3::zero(), rolling: Vec3::zero() }
     }
+}
+
+/// $R^* = R_1R_2/(R_1+R_2)$ of two spheres, m; of a sphere and a plane it is the sphere's radius.
+#[inline(always)]
+pub fn radius_eff<R: Real>(first: R, second: R) -> R {
+    first * second / (first + second)
 }
 
 /// $d = R - h/2$, m: the distance from a centre to the contact point. The two arms of a pair add up to the distance of
