@@ -103,7 +103,7 @@ pub(super) const LATTICE: Joint<f64> =
     Joint { cement: Cement { stiffness_ratio: 1.0 / 3.0, radius_multiplier: 1.0, ..CEMENT }, ..JOINT };
 
 /// Volume of a cell, which holds four spheres, m³.
-const CELL: f64 = LATTICE_CONSTANT * LATTICE_CONSTANT * LATTICE_CONSTANT;
+pub(super) const CELL: f64 = LATTICE_CONSTANT * LATTICE_CONSTANT * LATTICE_CONSTANT;
 
 pub(super) fn lattice() -> CubicElasticity {
     let stiffness = numbers(&LATTICE).stiffness;
@@ -111,7 +111,7 @@ pub(super) fn lattice() -> CubicElasticity {
 }
 
 /// From a sphere to its twelve neighbours, m.
-fn neighbours() -> Vec<[f64; 3]> {
+pub(super) fn neighbours() -> Vec<[f64; 3]> {
     let half = 0.5 * LATTICE_CONSTANT;
     let mut offsets = Vec::new();
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
@@ -124,8 +124,8 @@ fn neighbours() -> Vec<[f64; 3]> {
     offsets
 }
 
-/// Forces of twelve bonds on the sphere that they share, under a uniform symmetric strain.
-fn star(bench: &mut Bench, strain: [[f64; 3]; 3]) -> Result<Vec<[f64; 3]>, Fault> {
+/// A sphere and its twelve neighbours, bonded to it, under a uniform symmetric strain.
+pub(super) fn star_scene(strain: [[f64; 3]; 3]) -> Scene {
     let mut scene = scene(Form::Total, LATTICE, 0.3);
     // The twelve touch each other, too.
     scene.plan.interactions.iter_mut().for_each(|i| i.normal_stiffness = 0.0);
@@ -138,7 +138,12 @@ fn star(bench: &mut Bench, strain: [[f64; 3]; 3]) -> Result<Vec<[f64; 3]>, Fault
         let was = *place;
         *place = std::array::from_fn(|i| was[i] + (0..3).map(|j| strain[i][j] * was[j]).sum::<f64>());
     }
-    let state = bench.after(&scene, 0)?;
+    scene
+}
+
+/// Forces of its twelve bonds on the sphere in the middle.
+fn star(bench: &mut Bench, strain: [[f64; 3]; 3]) -> Result<Vec<[f64; 3]>, Fault> {
+    let state = bench.after(&star_scene(strain), 0)?;
     Ok((1..=12).map(|k| state.force[k].map(|f| -f)).collect())
 }
 
