@@ -9,7 +9,7 @@ use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::face_centred::{CubicElasticity, tensile_stress};
 use tdem_engine::physics::bond::{Cement, Form, Joint};
 use tdem_engine::physics::stability::GEAR_OSCILLATOR_LIMIT;
-use tdem_engine::{Bond, Constraint, Domain, Fault, Integrator, Ledger, State};
+use tdem_engine::{Bond, Constraint, Fault, Integrator, Ledger, State};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -255,19 +255,10 @@ fn tension(bench: &mut Bench, cells: [usize; 3], steps: u64, expected: [f64; 3])
     Ok(())
 }
 
-/// A box of so many cells that repeats.
-fn repeat(scene: &mut Scene, cells: [usize; 3]) {
-    scene.plan.domain = Domain {
-        min: [-0.25 * LATTICE_CONSTANT; 3],
-        max: cells.map(|n| (n as f64 - 0.25) * LATTICE_CONSTANT),
-        periodic: [true; 3],
-    };
-}
-
 fn plane_wave(bench: &mut Bench) -> Result<(), Fault> {
     let (cells, steps, amplitude) = ([6, 3, 3], 199, 1e-8 * SPACING);
     let mut scene = scene(Form::Total, LATTICE, 0.3);
-    repeat(&mut scene, cells);
+    scene.repeat(cells, [true; 3]);
     let sites = scene.block(cells);
     let bonds = (scene.state.bonds.len() as f64) / sites.len() as f64;
     bench.judge("bonds per sphere", "1", bonds, Kind::ClosedForm.within(6.0, 0.0));
@@ -296,7 +287,7 @@ fn critical_step(bench: &mut Bench) -> Result<(), Fault> {
     let (cells, bound, start) = ([2; 3], 0.5026, 1e-12 * SPACING);
     let mut growth = |part: f64| {
         let mut scene = scene(Form::Total, LATTICE, part * bound);
-        repeat(&mut scene, cells);
+        scene.repeat(cells, [true; 3]);
         scene.block(cells);
         let rate = start / scene.plan.dt;
         for k in 0..scene.state.len() {
@@ -320,7 +311,7 @@ fn critical_step_gear(bench: &mut Bench) -> Result<(), Fault> {
     let mut amplitudes = |omega_dt: f64, steps: u64| {
         let mut scene = scene(Form::Total, joint, omega_dt / fastest);
         scene.plan.integrator = Integrator::Gear;
-        repeat(&mut scene, cells);
+        scene.repeat(cells, [true; 3]);
         scene.block(cells);
         let sites = scene.state.position.clone();
         for (k, place) in scene.state.position.iter_mut().enumerate() {

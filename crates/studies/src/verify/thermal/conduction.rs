@@ -1,15 +1,15 @@
 //! Heat between particles: chains, lattices, contacts and walls, all held in place.
 
-use super::{CLOSED, Material, ROOM, SOLID, constant, held_at, largest_difference};
+use super::{CLOSED, Material, ROOM, SOLID, constant, face_centred_section, held_at, largest_difference};
 use crate::verify::Kind;
-use crate::verify::bonded::{JOINT, RADIUS, ROCK, SPACING, Way, scene};
+use crate::verify::bonded::{JOINT, LATTICE_CONSTANT, RADIUS, ROCK, SPACING, Way, scene};
 use crate::verify::scene::{Bench, HELD, Scene, random};
 use std::f64::consts::PI;
 use tdem_engine::physics::bond::{Cement, Form, Joint};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::Path;
-use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
-use tdem_engine::{Bond, Domain, Fault, State, heat_accounts};
+use tdem_engine::physics::heat::conduction::pair_conductivity;
+use tdem_engine::{Bond, Fault, State, heat_accounts};
 
 /// A bar as thick as the spheres.
 const ROUND: f64 = PI / 4.0;
@@ -68,8 +68,8 @@ pub(super) fn two_particles(bench: &mut Bench) -> Result<(), Fault> {
 pub(super) fn chain_steady(bench: &mut Bench) -> Result<(), Fault> {
     let (links, hot, cold) = (9, 400.0, 300.0);
     let mut scene = held_chain(links, 0.5);
-    scene.expose([0], held_at(constant(hot)));
-    scene.expose([links], held_at(constant(cold)));
+    scene.expose(&[0], &held_at(constant(hot)));
+    scene.expose(&[links], &held_at(constant(cold)));
     scene.state = bench.after(&scene, 600)?;
     let line = |k: usize| hot + (cold - hot) * k as f64 / links as f64;
     let off = largest_difference(&scene.state.temperature, (0..=links).map(line)) / (hot - cold);
@@ -128,28 +128,22 @@ pub(super) fn chain_transient(bench: &mut Bench) -> Result<(), Fault> {
 fn conductivity(bench: &mut Bench, cells: [usize; 3], axis: usize, periodic: bool) -> Result<f64, Fault> {
     let difference = 100.0;
     let mut scene = scene(Form::Total, JOINT, 0.3);
-    let constant_of_lattice = 2.0 * std::f64::consts::SQRT_2 * RADIUS;
     if periodic {
-        scene.plan.domain = Domain {
-            min: [-0.25 * constant_of_lattice; 3],
-            max: cells.map(|n| (n as f64 - 0.25) * constant_of_lattice),
-            periodic: std::array::from_fn(|d| d != axis),
-        };
+        scene.repeat(cells, std::array::from_fn(|d| d != axis));
     }
     let sites = scene.block(cells);
     scene.hold_all();
-    let chi = face_centred_bar(None);
-    scene.heat(&[SOLID], PI / 4.0 * chi * chi, CLOSED);
+    scene.heat(&[SOLID], face_centred_section(), CLOSED);
     // C/H of a particle with twelve bonds is C/(3 lambda a).
-    scene.heat_step(0.9 * scene.capacity(0) / (3.0 * SOLID.conductivity * constant_of_lattice));
+    scene.heat_step(0.9 * scene.capacity(0) / (3.0 * SOLID.conductivity * LATTICE_CONSTANT));
     let last = 2 * cells[axis] - 1;
     let of_layer = |layer: usize| (0..sites.len()).filter(|&k| sites[k][axis] == layer).collect::<Vec<_>>();
-    scene.expose(of_layer(0), held_at(constant(ROOM + difference)));
-    scene.expose(of_layer(last), held_at(constant(ROOM)));
+    scene.expose(&of_layer(0), &held_at(constant(ROOM + difference)));
+    scene.expose(&of_layer(last), &held_at(constant(ROOM)));
     let state = bench.after(&scene, 600)?;
     let rate: f64 = of_layer(last).into_iter().map(|k| state.heat_rate[k]).sum();
-    let area = cells.iter().enumerate().filter(|(d, _)| *d != axis).map(|(_, &n)| n as f64 * constant_of_lattice);
-    let length = 0.5 * last as f64 * constant_of_lattice;
+    let area = cells.iter().enumerate().filter(|(d, _)| *d != axis).map(|(_, &n)| n as f64 * LATTICE_CONSTANT);
+    let length = 0.5 * last as f64 * LATTICE_CONSTANT;
     Ok(rate * length / (area.product::<f64>() * difference * SOLID.conductivity))
 }
 
@@ -244,7 +238,7 @@ pub(super) fn contact_circle(bench: &mut Bench) -> Result<(), Fault> {
     scene.hold_all();
     scene.heat(&[SOLID, steel], ROUND, Path::Circle);
     scene.state.temperature = vec![400.0, 300.0];
-    scene.heat_plan().walls[0] = Some(constant(600.0));
+    scene.warm_walls(&[Some(constant(600.0))]);
     // R* = R/3 between the spheres, R at the wall.
     let between = 2.0 * SOLID.conductivity * (RADIUS / 3.0 * overlap).sqrt();
     let at_wall = 2.0 * pair_conductivity(SOLID.conductivity, steel.conductivity) * (RADIUS * depth).sqrt();
@@ -269,7 +263,7 @@ pub(super) fn contact_circle(bench: &mut Bench) -> Result<(), Fault> {
     }
     // Without overlap there is no circle.
     scene.state.position[1][0] = 1.6 * RADIUS;
-    scene.heat_plan().walls[0] = None;
+    scene.warm_walls(&[None]);
     let apart = bench.after(&scene, 0)?;
     bench.judge("apart: heat rate", "W", apart.heat_rate[0], Kind::ClosedForm.within(0.0, 0.0));
     Ok(())

@@ -1,6 +1,6 @@
 //! Heat through surfaces: films, fluxes, radiation, faces held warm, and slabs between them.
 
-use super::{CLOSED, Material, NOTHING, ROOM, SOLID, constant, largest_difference, through};
+use super::{CLOSED, Material, NOTHING, ROOM, SOLID, constant, face_centred_section, largest_difference, through};
 use crate::slab::{Heating, Slab};
 use crate::verify::Kind;
 use crate::verify::bonded::{JOINT, LATTICE_CONSTANT, RADIUS, ROCK, SPACING, scene};
@@ -9,9 +9,8 @@ use std::f64::consts::PI;
 use tdem_engine::physics::bond::Form;
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::Exchange;
-use tdem_engine::physics::heat::conduction::face_centred_bar;
 use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
-use tdem_engine::{Course, Domain, Fault, State};
+use tdem_engine::{Course, Fault, State};
 
 /// Surface of a sphere, m².
 const AREA: f64 = 4.0 * PI * RADIUS * RADIUS;
@@ -33,10 +32,10 @@ pub(super) fn lumped(bench: &mut Bench) -> Result<(), Fault> {
     let steps = 400_u32;
     scene.heat_step(time / f64::from(steps));
     let conductance = surface_conductance(AREA, 0.0, SOLID.conductivity, film);
-    scene.expose([0], through(Exchange { conductance, ..NOTHING }, constant(ROOM)));
+    scene.expose(&[0], &through(Exchange { conductance, ..NOTHING }, constant(ROOM)));
     // Up and down again, with corners on steps.
     let course = Course(vec![[0.0, 0.0], [0.25 * time, flux], [0.75 * time, -0.5 * flux]]);
-    scene.expose([1], through(Exchange { flux_area: AREA, ..NOTHING }, course));
+    scene.expose(&[1], &through(Exchange { flux_area: AREA, ..NOTHING }, course));
     scene.state.temperature[0] = ROOM + warmth;
     let state = bench.after(&scene, steps.into())?;
     let left = (state.temperature[0] - ROOM) / warmth;
@@ -83,13 +82,13 @@ pub(super) fn radiation(bench: &mut Bench) -> Result<(), Fault> {
         ("cooling, behind a depth", 1200.0, 300.0, 20.0),
     ];
     let mut scene = single(experiments.len());
-    // Heat that 1200 K radiate, in 8000 steps.
-    let steps = 8000;
+    // Heat that 1200 K radiate, in 10000 steps.
+    let steps = 10_000;
     let time = scene.capacity(0) / (radiation * 1200.0 * 1200.0 * 1200.0);
     scene.heat_step(time / steps as f64);
     for (k, (_, inside, outside, resistance)) in experiments.into_iter().enumerate() {
         scene.state.temperature[k] = inside;
-        scene.expose([k], through(Exchange { radiation, resistance, ..NOTHING }, constant(outside)));
+        scene.expose(&[k], &through(Exchange { radiation, resistance, ..NOTHING }, constant(outside)));
     }
     let state = bench.after(&scene, steps)?;
     for (k, (what, inside, outside, resistance)) in experiments.into_iter().enumerate() {
@@ -141,13 +140,9 @@ impl Layers {
             }
             Body::Lattice => {
                 let cells = [2, 2, layers / 2];
-                let mut domain = Domain { min: [-0.25 * LATTICE_CONSTANT; 3], ..scene.plan.domain };
-                domain.max = cells.map(|n| (n as f64 - 0.25) * LATTICE_CONSTANT);
-                domain.periodic = [true, true, false];
-                scene.plan.domain = domain;
+                scene.repeat(cells, [true, true, false]);
                 let layer = scene.block(cells).into_iter().map(|site| site[2]).collect();
-                let chi = face_centred_bar(None);
-                (layer, 0.5 * LATTICE_CONSTANT, 0.5 * LATTICE_CONSTANT * LATTICE_CONSTANT, PI / 4.0 * chi * chi)
+                (layer, 0.5 * LATTICE_CONSTANT, 0.5 * LATTICE_CONSTANT * LATTICE_CONSTANT, face_centred_section())
             }
         };
         scene.hold_all();
@@ -173,7 +168,7 @@ impl Layers {
     fn expose(&mut self, layer: usize, film: f64, outside: Course) {
         let exchange = Exchange { conductance: self.conductance(film), ..NOTHING };
         let particles = self.particles(layer);
-        self.scene.expose(particles, through(exchange, outside));
+        self.scene.expose(&particles, &through(exchange, outside));
     }
     /// Mean temperature of a layer.
     fn temperature(&self, state: &State, layer: usize) -> f64 {
