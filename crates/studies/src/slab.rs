@@ -44,17 +44,18 @@ pub struct Heating {
     pub top: Course,
 }
 
-/// More terms than any time needs that is not next to a jump of the temperature, see [`Slab::temperature`].
+/// Terms of the series at the most, see [`Slab::temperature`].
 const MODES: u32 = 1000;
-/// $e^{-50}$ is nothing beside 1.
+/// An exponent beyond which nothing is left: $e^{-50}$.
 const FADED: f64 = 50.0;
 
 impl Slab {
     /// $T$ at a depth below the top (m, 0 to the thickness) and a time (s), in the unit of the heating.
     ///
     /// # Validity
-    /// To rounding, but where the top or the bottom jumps at the start ($T_{top}(0)$ or $T_\infty$ other than $T_0$) and
-    /// $\alpha_Tt/L^2 < 5\cdot10^{-6}$: there more terms would be needed.
+    /// Within $4\cdot10^{-8}$ of $L^2/\alpha_T$ times the largest slope, and much closer but just behind a corner of the
+    /// course. Where the top or the bottom jumps at the start ($T_{top}(0)$ or $T_\infty$ other than $T_0$), only for
+    /// $\alpha_Tt/L^2 > 5\cdot10^{-6}$: before, more terms would be needed.
     #[must_use]
     pub fn temperature(&self, heating: &Heating, depth: f64, time: f64) -> f64 {
         if time <= 0.0 {

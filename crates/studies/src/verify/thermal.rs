@@ -167,6 +167,13 @@ pub(super) const CASES: &[Case] = &[
         body: |bench| surfaces::slab(bench, surfaces::Body::Lattice, 28, 0.05),
     },
     Case {
+        name: "thermal/slab-open-sides",
+        tier: Tier::Full,
+        source: "exact: eigenfunctions and ramps (crates/studies/src/slab.rs)",
+        about: "The same in a cube of 10 cells with open sides, bars thicker by the bonds that are missing: means of layers.",
+        body: |bench| surfaces::slab(bench, surfaces::Body::Block, 10, 0.3),
+    },
+    Case {
         name: "thermal/uniaxially-constrained-5",
         tier: Tier::Full,
         source: "s = -E_100 alpha dT; for the open block E of the static solution in crates/studies/reference/bonded.py",
@@ -191,9 +198,10 @@ struct Material {
 /// Like concrete, but that it does not grow.
 const SOLID: Material = Material { conductivity: 1.5, specific_heat: 900.0, expansion: 0.0 };
 
-/// The bar with which a face-centred lattice conducts like the solid: its section over the square of the sum of radii.
-fn face_centred_section() -> f64 {
-    let radius = face_centred_bar(None);
+/// The bar with which a face-centred lattice conducts like the solid, or a block of so many cells across: its section over
+/// the square of the sum of radii.
+fn face_centred_section(cells: Option<[u32; 2]>) -> f64 {
+    let radius = face_centred_bar(cells);
     std::f64::consts::FRAC_PI_4 * radius * radius
 }
 

@@ -133,7 +133,7 @@ fn conductivity(bench: &mut Bench, cells: [usize; 3], axis: usize, periodic: boo
     }
     let sites = scene.block(cells);
     scene.hold_all();
-    scene.heat(&[SOLID], face_centred_section(), CLOSED);
+    scene.heat(&[SOLID], face_centred_section(None), CLOSED);
     // C/H of a particle with twelve bonds is C/(3 lambda a).
     scene.heat_step(0.9 * scene.capacity(0) / (3.0 * SOLID.conductivity * LATTICE_CONSTANT));
     let last = 2 * cells[axis] - 1;
