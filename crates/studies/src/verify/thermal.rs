@@ -280,7 +280,9 @@ impl Scene {
         if let Some(heat) = &mut self.plan.heat {
             heat.exposures.push(exposure.clone());
             let number = heat.exposures.len() as u16 - 1;
-            particles.iter().for_each(|&k| self.state.exposure[k] = number);
+            for &k in particles {
+                self.state.exposure[k] = number;
+            }
         }
     }
 
