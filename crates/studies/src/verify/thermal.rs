@@ -72,7 +72,7 @@ pub(super) const CASES: &[Case] = &[
         name: "thermal/radiation",
         tier: Tier::Quick,
         source: "t = C/(4 eps sigma A a^3) [ln((T - a)/(T + a)) + ...], integrated exactly, with and without depth",
-        about: "A hot sphere radiates into cold surroundings, a cold one is heated by hot ones: the time that it takes.",
+        about: "A hot sphere radiates into cold surroundings, a cold one is heated by hot ones: the time that it takes, from two steps.",
         body: surfaces::radiation,
     },
     Case {

@@ -64,7 +64,7 @@ fn bond_forces(scene: &Scene, state: &State) -> (Vec<f64>, f64) {
 
 pub(super) fn free(bench: &mut Bench) -> Result<(), Fault> {
     // As much as concrete grows over 100 K: beside less, the rounding of places would show.
-    let (cells, heating, steps, strain) = ([2, 2, 3], 400.0, 3000, 1e-3);
+    let (cells, heating, steps, strain) = ([2, 2, 3], 300.0, 1500, 1e-3);
     let growing = Material { expansion: strain / WARMTH, ..SOLID };
     let mut scene = scene(Form::Total, LATTICE, 0.3);
     scene.damp_locally(0.7);
@@ -202,7 +202,7 @@ pub(super) fn series(bench: &mut Bench) -> Result<(), Fault> {
     );
     scene.heat(&[GROWING, GROWING_MORE], 0.0, CLOSED);
     scene.warm(WARMTH);
-    let state = bench.after(&scene, 2000)?;
+    let state = bench.after(&scene, 1200)?;
     let area = (cells[0] * cells[1]) as f64 * LATTICE_CONSTANT * LATTICE_CONSTANT;
     let young = straight_modulus();
     let expected = -(1.0 + FACTOR) * STRAIN / (1.0 / young + 1.0 / (stiffer * young));
@@ -234,7 +234,7 @@ fn bars(bench: &mut Bench) -> Result<(), Fault> {
     }
     let ends = [0, links, links + 1, 2 * links + 1];
     scene.hold_by(ends, HELD);
-    let state = bench.after(&scene, 1500)?;
+    let state = bench.after(&scene, 600)?;
     // E A = K_n L of a chain.
     let rigidity = numbers(&JOINT).stiffness.normal * SPACING;
     let expected = (1.0 - FACTOR) * STRAIN / (1.0 / rigidity + 1.0 / (stiffer * rigidity));
@@ -280,7 +280,7 @@ fn layers(bench: &mut Bench) -> Result<(), Fault> {
         |plane: usize| (0..sites.len()).filter(|&k| sites[k][2] == top && sites[k][0] == plane).collect::<Vec<_>>();
     let ends = (0..sites.len()).filter(|&k| sites[k][2] == 0 || sites[k][2] == top);
     scene.hold_by(ends, Constraint { velocity: [None, None, Some(0.0)], ..HELD });
-    let state = bench.after(&scene, 2000)?;
+    let state = bench.after(&scene, 800)?;
     // Planes are half a cell thick; the force is for one cell across.
     let area = |planes: usize| planes as f64 * HALF * LATTICE_CONSTANT;
     let young = straight_modulus();
@@ -373,7 +373,7 @@ fn plate_modulus() -> f64 {
 pub(super) fn restrained_plate(bench: &mut Bench) -> Result<(), Fault> {
     let mut plate = Plate::of([2, 2, 8], true);
     plate.scene.damp_locally(0.7);
-    let state = bench.after(&plate.scene, 3000)?;
+    let state = bench.after(&plate.scene, 1500)?;
     let found = plate.stresses(&state, |_| true);
     let unit = plate_modulus() * GROWING.expansion;
     let (mut off, mut off_solid) = (0.0_f64, 0.0_f64);
