@@ -202,6 +202,7 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::NotFinite { .. } => "tdem::run::not-finite",
         Fault::Escaped { .. } => "tdem::run::escaped",
         Fault::Temperature { .. } => "tdem::run::temperature",
+        Fault::Conduction { .. } => "tdem::run::conduction",
         Fault::NoHeat => "tdem::device::no-heat",
         Fault::Overlap { .. } => "tdem::run::overlap",
         Fault::ListOverflow { .. } => "tdem::run::list-overflow",
