@@ -2,14 +2,18 @@
 
 mod common;
 
-use common::bonded::{CLAMPED, cracking_block};
-use common::heated::{SPECIFIC_HEAT, after, constant, heat_of, heated, held_chain, warm_cloud};
-use common::random;
+use common::bonded::{
+    CEMENT, CLAMPED, ELASTIC, JOINT, LATTICE_CONSTANT, RADIUS, bond_neighbours, chain, cracking_block, free_space,
+    lattice,
+};
+use common::heated::{EXPANSION, REFERENCE, SPECIFIC_HEAT, after, constant, heat_of, heated, held_chain, warm_cloud};
+use common::{DENSITY, random, spheres};
 use tdem_engine::cpu::Options;
+use tdem_engine::physics::bond::{Cement, Joint};
 use tdem_engine::physics::heat::Exchange;
 use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
 use tdem_engine::{
-    Course, Exposure, Fault, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, heat_accounts,
+    Course, Exposure, Fault, Integrator, Ledger, Motion, Plan, Relaxation, Scheme, Simulation, State, heat_accounts,
 };
 
 const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
@@ -43,7 +47,7 @@ fn held(value: f64) -> Exposure {
 /// Bonded and loose particles of several temperatures and exposures, also prescribed ones, which touch each other and a wall
 /// that is warm, all held in place; bonds broken here and there.
 fn still_block() -> (State, Plan) {
-    let (mut state, mut plan) = cracking_block(common::bonded::ELASTIC, Integrator::VelocityVerlet);
+    let (mut state, mut plan) = cracking_block(ELASTIC, Integrator::VelocityVerlet);
     for step in 0..3 {
         state = after(&state, &plan, Options::default(), 100);
         assert_eq!(state.step, 100 * (step + 1));
@@ -347,5 +351,162 @@ fn temperatures_below_zero_are_a_fault_of_the_step() {
         let plan = frozen(&plan, scheme, 1.0);
         let mut simulation = Simulation::new(state.clone(), plan, Options::default()).expect("the scene is sound");
         assert!(matches!(simulation.advance(5), Err(Fault::Temperature { particle: 0, step: 1, .. })));
+    }
+}
+
+/// Heat and motion in turns, in steps of the heat.
+fn in_turns(plan: &Plan, step: f64, ratio: f64) -> Plan {
+    let mut plan = Plan { dt: step, ..plan.clone() };
+    plan.bonds.as_mut().expect("the plan has bonds").local_damping = 0.7;
+    let heat = heat_of(&mut plan);
+    let relaxation = Relaxation { scheme: Scheme::Implicit, dt: 2e-5, ratio, at_most_steps: 20_000, check_every: 50 };
+    (heat.motion, heat.time_scale) = (Motion::QuasiStatic(relaxation), 1.0);
+    plan
+}
+
+/// A chain that expands, of which constraints are given, between a warm and a cold end.
+fn expanding_chain(count: usize, constraint: &[u16]) -> (State, Plan) {
+    let mut plan = free_space(ELASTIC, JOINT);
+    plan.constraints.push(CLAMPED);
+    let mut state = chain(count, &plan);
+    for (of_particle, &given) in state.constraint.iter_mut().zip(constraint) {
+        *of_particle = given;
+    }
+    heated(&mut state, &mut plan, EXPANSION);
+    heat_of(&mut plan).exposures.extend([held(REFERENCE + 300.0), held(REFERENCE + 20.0)]);
+    (state.exposure[0], state.exposure[count - 1]) = (1, 2);
+    (state, plan)
+}
+
+/// Tension of all bonds, N.
+fn tensions(state: &State, plan: &Plan) -> Vec<f64> {
+    let bond = |k| state.evaluate_bond(plan, k).expect("the bond holds").reaction.load.normal;
+    (0..state.bonds.len()).map(bond).collect()
+}
+
+#[test]
+fn a_restrained_bar_bears_what_its_expansion_would_be() {
+    let count = 12;
+    let (state, plan) = expanding_chain(count, &[1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
+    let ratio = 1e-5;
+    let plan = in_turns(&plan, 2000.0, ratio);
+    let mut simulation = Simulation::new(state, plan.clone(), Options::default()).expect("the scene is sound");
+    simulation.advance(8).expect("the scene runs through");
+    let turns = simulation.turns().expect("heat and motion take turns");
+    assert!(turns.unrelaxed == 0 && turns.motion_steps >= 8 * 50, "{turns:?}");
+    let end = simulation.state().expect("a state can be taken");
+    // A force that is the same everywhere: -K alpha L times the mean warmth of the bonds.
+    let warmth = |k: usize| 0.5 * (end.temperature[k] + end.temperature[k + 1]) - REFERENCE;
+    let mean = (0..count - 1).map(warmth).sum::<f64>() / (count - 1) as f64;
+    let stiffness = JOINT.stiffness_per_area * std::f64::consts::PI * RADIUS * RADIUS;
+    let expected = -stiffness * EXPANSION * mean * 2.0 * RADIUS;
+    assert!(mean > 100.0);
+    for tension in tensions(&end, &plan) {
+        assert!((tension / expected - 1.0).abs() < 12.0 * ratio, "{tension} {expected}");
+    }
+    assert!(Ledger::of(&end, &plan).unbalanced_force_ratio <= ratio);
+    // Where it is warmer, it has expanded at the cost of what is colder.
+    assert!(end.position[5][0] > 10.0 * RADIUS + 1e-5);
+    assert!(end.radius[1] > end.radius[10] && end.radius[10] > RADIUS);
+}
+
+#[test]
+fn a_free_bar_expands_and_is_free_of_stress() {
+    let count = 12;
+    let (state, plan) = expanding_chain(count, &[1]);
+    let ratio = 1e-4;
+    let plan = in_turns(&plan, 2000.0, ratio);
+    let mut simulation = Simulation::new(state, plan.clone(), Options::default()).expect("the scene is sound");
+    simulation.advance(8).expect("the scene runs through");
+    assert_eq!(simulation.turns().expect("heat and motion take turns").unrelaxed, 0);
+    let end = simulation.state().expect("a state can be taken");
+    let strain = |k: usize| EXPANSION * (0.5 * (end.temperature[k] + end.temperature[k + 1]) - REFERENCE);
+    let growth: f64 = (0..count - 1).map(|k| strain(k) * 2.0 * RADIUS).sum();
+    let found = end.position[count - 1][0] - 2.0 * RADIUS * (count - 1) as f64;
+    assert!((found / growth - 1.0).abs() < 1e-4, "{found} {growth}");
+    let stiffness = JOINT.stiffness_per_area * std::f64::consts::PI * RADIUS * RADIUS;
+    let blocked = stiffness * EXPANSION * 2.0 * RADIUS;
+    for tension in tensions(&end, &plan) {
+        // Against what 1 K would do to a bond that is held.
+        assert!(tension.abs() < 12.0 * ratio * blocked, "{tension} {blocked}");
+    }
+}
+
+/// A block of two materials of which one expands five times as much, heated through one side until it cracks.
+fn heated_block() -> (State, Plan) {
+    let mut plan = free_space(ELASTIC, JOINT);
+    plan.materials = 2;
+    plan.interactions = vec![plan.interactions[0]; 4];
+    let cement = Cement { tensile_strength: 1.5e5, shear_strength: 1.5e5, ..CEMENT };
+    plan.bonds.as_mut().expect("the plan has bonds").joints = vec![Some(Joint { cement, ..JOINT }); 4];
+    plan.constraints.push(CLAMPED);
+    let mut state = spheres(&lattice([4, 4, 4]), DENSITY);
+    for i in 0..state.len() {
+        state.material[i] = u16::from(state.position[i][0] > 1.9 * LATTICE_CONSTANT);
+        state.constraint[i] = u16::from(state.position[i][2] < 0.1 * LATTICE_CONSTANT);
+    }
+    bond_neighbours(&mut state, &plan);
+    for (bond, k) in state.bonds.iter_mut().zip(0..) {
+        bond.strength = 0.7 + 0.6 * random(9, k);
+    }
+    heated(&mut state, &mut plan, EXPANSION);
+    let film = Exchange { conductance: 5e-3, ..NONE };
+    let heat = heat_of(&mut plan);
+    heat.materials[1].expansion *= 5.0;
+    let course = Course(vec![[0.0, REFERENCE], [200.0, REFERENCE + 600.0]]);
+    heat.exposures.push(Exposure { temperature: None, exchanges: vec![(film, course)] });
+    for i in 0..state.len() {
+        state.exposure[i] = u16::from(state.position[i][2] > 3.4 * LATTICE_CONSTANT);
+    }
+    (state, plan)
+}
+
+#[test]
+fn cracks_do_not_depend_on_threads_or_interruptions() {
+    let (state, plan) = heated_block();
+    for scheme in [Scheme::Implicit, Scheme::Explicit] {
+        let mut plan = in_turns(&plan, 25.0, 1e-3);
+        if let Motion::QuasiStatic(relaxation) = &mut heat_of(&mut plan).motion {
+            relaxation.scheme = scheme;
+        }
+        let steps = 10;
+        let expected = after(&state, &plan, threads(1), steps);
+        let broken: Vec<u64> = expected.bonds.iter().filter_map(|bond| bond.breakage).map(|b| b.step).collect();
+        assert!(broken.len() > 5 && 2 * broken.len() < expected.bonds.len(), "{} broke", broken.len());
+        // In several of the steps of the heat.
+        assert!(broken.iter().all(|&step| (1..=steps).contains(&step)) && broken.iter().any(|&step| step != broken[0]));
+        assert_eq!(after(&state, &plan, threads(2), steps).hash(), expected.hash(), "{scheme:?}");
+        let half = after(&state, &plan, threads(2), 6);
+        assert_eq!(after(&half, &plan, threads(2), steps - 6).hash(), expected.hash(), "{scheme:?}, in two parts");
+        // What broke conducts nothing; heat is kept.
+        let [came, left] = sums(&expected);
+        let error = content(&expected) - content(&state) - (came - left);
+        assert!(came > 1.0 && error.abs() < 1e-12 * content(&expected), "{scheme:?}: {error} of {came}");
+    }
+}
+
+#[test]
+fn what_does_not_come_to_rest_is_counted() {
+    let (state, plan) = expanding_chain(12, &[1]);
+    let mut plan = in_turns(&plan, 2000.0, 1e-9);
+    if let Motion::QuasiStatic(relaxation) = &mut heat_of(&mut plan).motion {
+        relaxation.at_most_steps = 70;
+    }
+    let mut simulation = Simulation::new(state, plan, Options::default()).expect("the scene is sound");
+    simulation.advance(3).expect("the scene runs through");
+    let turns = simulation.turns().expect("heat and motion take turns");
+    assert_eq!((turns.unrelaxed, turns.last_unrelaxed, turns.motion_steps), (3, 3, 3 * 70));
+    assert!(turns.largest_ratio > 1e-9, "{turns:?}");
+}
+
+#[test]
+fn faults_of_the_motion_are_told_with_the_step_of_the_heat() {
+    let (state, mut plan) = expanding_chain(12, &[1]);
+    plan.domain.max[0] = 22.01 * RADIUS;
+    let plan = in_turns(&plan, 2000.0, 1e-3);
+    let mut simulation = Simulation::new(state, plan.clone(), Options::default()).expect("the scene is sound");
+    match simulation.advance(8) {
+        Err(Fault::Escaped { step, time, particle: 11, .. }) => assert!(step <= 8 && time == plan.time(step)),
+        other => panic!("{other:?}"),
     }
 }
