@@ -27,14 +27,14 @@ pub struct Turns {
     pub unrelaxed: u64,
     /// The last of these; 0 without any.
     pub last_unrelaxed: u64,
-    /// The largest ratio of forces with which heat went on.
+    /// The largest ratio of forces behind these; 0 without any.
     pub largest_ratio: f64,
 }
 
 /// A run in which heat advances by itself.
 pub(crate) struct Staggered {
     device: Device,
-    plan: Plan,
+    plan: Arc<Plan>,
     pool: Arc<ThreadPool>,
     /// Of the end of the last step; heat rates stand in `rates`.
     state: State,
@@ -67,7 +67,7 @@ impl Staggered {
         }
         let mut staggered = Staggered {
             device,
-            plan: plan.clone(),
+            plan: Arc::new(plan.clone()),
             pool: Arc::new(pool),
             state: motion.capture()?.state()?,
             network: Network::default(),
@@ -117,7 +117,7 @@ impl Staggered {
 
     /// One step of the heat, while nothing moves.
     fn heat(&mut self) -> Result<(), Fault> {
-        let plan = self.plan.clone();
+        let plan = Arc::clone(&self.plan);
         let Some((heat, scheme)) = advancing(&plan) else { return Ok(()) };
         let (span, parts) = (self.span(), self.parts);
         match scheme {

@@ -22,7 +22,7 @@ pub(super) fn without_heat(plan: &Plan) -> Plan {
         ..heat.clone()
     };
     let dt = relaxation(plan).map_or(0.0, |relaxation| relaxation.dt);
-    Plan { dt, heat: plan.heat.as_ref().map(still), ..plan.clone() }
+    Plan { dt, heat: plan.heat.as_ref().map(still), gauges: Vec::new(), ..plan.clone() }
 }
 
 /// How particles come to rest; `None` where nothing moves.
