@@ -1,5 +1,9 @@
 //! Where the energy is, where it went, and whether the sum closes.
 
+mod heat;
+
+pub use heat::HeatLedger;
+
 use crate::{Contact, Plan, State, WallContact};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
@@ -48,6 +52,8 @@ pub struct Ledger {
     /// Mean size of the resultant force on a particle over mean size of a force of contacts and bonds; 0 without any.
     /// Components that are prescribed do not count: something holds them.
     pub unbalanced_force_ratio: f64,
+    /// Where the heat is; `None` without heat.
+    pub heat: Option<HeatLedger>,
     /// Force of the particles on each wall would need a table of its own; this is the sum over all walls, N.
     pub wall_force: [f64; 3],
 }
@@ -73,6 +79,13 @@ fn tally<const K: usize>(count: usize, term: impl Fn(usize) -> ([f64; K], f64) +
 /// Sums only.
 pub(crate) fn sum<const K: usize>(count: usize, term: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
     tally(count, |index| (term(index), 0.0)).0
+}
+
+/// Lowest and highest value; infinite if there are none.
+pub(crate) fn extremes(values: &[f64]) -> [f64; 2] {
+    let fold = || [f64::INFINITY, f64::NEG_INFINITY];
+    let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
+    values.par_iter().fold(fold, |range, &value| wider(range, [value; 2])).reduce(fold, wider)
 }
 
 impl Ledger {
@@ -124,6 +137,7 @@ impl Ledger {
             largest_speed,
             largest_overlap,
             unbalanced_force_ratio: imbalance.ratio(0.0),
+            heat: HeatLedger::of(state, plan),
             wall_force: [fx, fy, fz],
         };
         if plan.ledger && state.accounts.len() == state.len() {

@@ -14,6 +14,8 @@ pub struct State {
     pub forces_known: bool,
     /// Mechanical energy at the start of the ledger, J.
     pub initial_energy: f64,
+    /// Heat at the start of the ledger, over that of all particles at the reference temperature, J; 0 without heat.
+    pub initial_heat: f64,
     /// Persistent ids, `(N)`, strictly ascending.
     pub id: Vec<u32>,
     /// Indices into the plan's materials, `(N)`.

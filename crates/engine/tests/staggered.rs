@@ -138,6 +138,8 @@ fn what_comes_in_stays_or_goes_out() {
         assert!(came > 0.1 * content(&state) && left > 0.0, "{came} {left}");
         let error = stored - (came - left);
         assert!(error.abs() < 1e-12 * content(&end).max(came), "{scheme:?}, {step} s: {error} of {came}");
+        let ledger = Ledger::of(&end, &plan).heat.expect("the plan has heat");
+        assert!((ledger.stored / stored - 1.0).abs() < 1e-10 && ledger.error.abs() < 1e-10 * came, "{ledger:?}");
     }
 }
 

@@ -27,6 +27,8 @@ pub struct Axis {
     pub column: String,
     /// Multiplies its values.
     pub factor: f64,
+    /// Is added to them then.
+    pub offset: f64,
     /// What stands at the axis; if `None`, the column and its unit, with a prefix such as micro if that is easier to read.
     pub title: Option<String>,
 }
@@ -74,11 +76,13 @@ fn column(history: &str, name: &str) -> Option<Vec<f64>> {
 
 /// Values of an axis and its title.
 fn scaled(axis: &Axis, column: Vec<f64>) -> (Vec<f64>, String) {
-    let values: Vec<f64> = column.into_iter().map(|value| value * axis.factor).collect();
+    let values: Vec<f64> = column.into_iter().map(|value| value * axis.factor + axis.offset).collect();
     if let Some(title) = &axis.title {
         return (values, title.clone());
     }
-    let name = if axis.factor == 1.0 {
+    let name = if axis.offset != 0.0 {
+        format!("{} x {} + {}", axis.factor, axis.column, axis.offset)
+    } else if axis.factor == 1.0 {
         axis.column.clone()
     } else if axis.factor == -1.0 {
         format!("-{}", axis.column)
