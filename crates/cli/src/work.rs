@@ -202,7 +202,6 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::NotFinite { .. } => "tdem::run::not-finite",
         Fault::Escaped { .. } => "tdem::run::escaped",
         Fault::Temperature { .. } => "tdem::run::temperature",
-        Fault::NoHeat => "tdem::device::no-heat",
         Fault::Overlap { .. } => "tdem::run::overlap",
         Fault::ListOverflow { .. } => "tdem::run::list-overflow",
         Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",

@@ -29,9 +29,6 @@ pub enum Fault {
         /// K.
         temperature: f64,
     },
-    /// Heat was asked of a device.
-    #[error("no device but the CPU computes heat so far")]
-    NoHeat,
     /// A particle left the domain in a direction that does not repeat.
     #[error("particle {particle} left the domain at step {step} (t = {time:.6e} s): it is at {position:?} m")]
     Escaped {
