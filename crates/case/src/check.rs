@@ -2,13 +2,14 @@
 
 mod bonds;
 mod gauge;
+mod heat;
 mod shape;
 
 pub use gauge::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS};
 
 use crate::materials::RIGID;
 use crate::problem::Problem;
-use crate::schema::{Case, Component, Course, Damping, Force, Interaction, Model, Particles, Prescribed, Radius, Step};
+use crate::schema::{Case, Component, Damping, Interaction, Model, Particles, Radius, Step};
 use crate::structure::suggestion;
 use crate::tree::Node;
 use crate::walls::{FACES, face_name};
@@ -22,6 +23,8 @@ pub(crate) fn check(case: &Case, tree: &Node) -> Vec<Problem> {
     checker.materials();
     checker.interactions();
     checker.bonds();
+    checker.heat();
+    checker.surfaces();
     checker.walls();
     checker.boxes();
     checker.particles();
@@ -350,33 +353,8 @@ impl Checker<'_> {
                 );
             }
         }
-        self.courses(&["particles", index], &group.prescribed, &group.force);
         self.cuts(group, index);
         self.lattice_and_random(group, index);
-    }
-
-    /// Points of ramps must follow each other in time.
-    fn courses(&mut self, path: &[&str], prescribed: &Prescribed, force: &Force) {
-        let rates =
-            prescribed.components().into_iter().zip(COMPONENTS).map(|(course, (_, name))| ("prescribed", name, course));
-        let forces = force.components().into_iter().zip(COMPONENTS).map(|(course, (_, name))| ("force", name, course));
-        for (key, name, course) in rates.chain(forces) {
-            let Some(Course::Points(points)) = course else { continue };
-            for k in 1..points.len() {
-                let [before, after] = [points[k - 1][0], points[k][0]];
-                if before >= after {
-                    let place = self.place(&[path, &[key, name, &k.to_string()]].concat());
-                    self.push(
-                        Problem::error(
-                            "tdem::case::inverted-range",
-                            format!("the ramp goes from {before} s to {after} s"),
-                        )
-                        .at(place, "must be later than the point before it")
-                        .help("give points [time in s, value] in the order of time; a jump takes a short time"),
-                    );
-                }
-            }
-        }
     }
 
     fn lattice_and_random(&mut self, group: &Particles, index: &str) {

@@ -15,6 +15,7 @@
 
 mod build;
 mod check;
+mod courses;
 mod grid;
 mod limits;
 mod load;

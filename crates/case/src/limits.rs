@@ -1,6 +1,6 @@
 //! What limits the time step, and the step that follows.
 
-use crate::build::{Context, Vibration};
+use crate::build::{Context, Vibration, Warming};
 use crate::load::Loaded;
 use crate::problem::{Label, Problem, number};
 use crate::schema::{Damping, Integrator, Model, Step};
@@ -146,17 +146,27 @@ fn fall(context: &Context<'_>, point: [f64; 3], radius: f64, direction: [f64; 3]
     if height.is_finite() { height.max(0.0) } else { 0.0 }
 }
 
+/// The fastest that bonds and heat can do in a state.
+pub(crate) struct Fastest<'s> {
+    pub(crate) vibration: Option<&'s Vibration>,
+    pub(crate) warming: Option<&'s Warming>,
+    pub(crate) state: &'s State,
+}
+
 impl StepLimits {
     pub(crate) fn of(
         context: &Context<'_>,
         found: &Found,
         meeting: &[(usize, usize)],
         interactions: &[Interaction<f64>],
-        bonded: Option<(&Vibration, &State)>,
+        fastest: &Fastest<'_>,
     ) -> Self {
         let mut limits = Finder { context, found, limits: Vec::new() };
-        if let Some((vibration, state)) = bonded {
-            limits.bonds(vibration, state);
+        if let Some(vibration) = fastest.vibration {
+            limits.bonds(vibration, fastest.state);
+        }
+        if let Some(warming) = fastest.warming {
+            limits.heat(warming, fastest.state);
         }
         for material in (0..context.materials.len()).filter(|&m| found.counts[m] > 0) {
             limits.rayleigh(material);
@@ -277,6 +287,28 @@ impl Finder<'_> {
         // Dashpots may help Gear's method, if only a little.
         let proven = !self.gear() || rate == 0.0;
         self.add("the bonds of one particle", limit / vibration.least_frequency, proven, cause, labels);
+    }
+
+    /// Heat: up to one step temperatures do not oscillate, beyond another something diverges.
+    fn heat(&mut self, warming: &Warming, state: &State) {
+        let case = &self.context.loaded.case;
+        let Some(heat) = case.heat.as_ref().filter(|_| warming.safe_step.is_finite()) else { return };
+        let scale = heat.time_scale(case);
+        let name = self.name(usize::from(state.material[warming.particle]));
+        let radius = number(state.radius[warming.particle]);
+        let of = |step: f64| {
+            let time = if scale == 1.0 { String::new() } else { format!(" of heat, {} times as fast", number(scale)) };
+            format!("{} s{time}, `{name}` of radius {radius} m", number(step))
+        };
+        let mut labels = vec![self.label(&["material", name, "thermal_conductivity"], "how well it conducts")];
+        for key in ["time_scale", "duration"] {
+            if self.context.loaded.tree.get(&["heat", key]).is_some() {
+                labels.push(self.label(&["heat", key], "how much faster heat goes than motion"));
+            }
+        }
+        let (safe, certain) = (of(warming.safe_step), of(warming.certain_step));
+        self.add("conduction of heat", warming.safe_step / scale, false, safe, labels.clone());
+        self.add("the heat of one particle", warming.certain_step / scale, true, certain, labels);
     }
 
     fn rayleigh(&mut self, material: usize) {

@@ -1,6 +1,7 @@
 //! From a file to a checked case.
 
 use crate::check;
+use crate::courses;
 use crate::overrides;
 use crate::problem::{Problem, Problems, Source};
 use crate::schema::{Case, json_schema};
@@ -57,14 +58,15 @@ pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[(String, Stri
     if !structural.is_empty() {
         return Err(fail(structural));
     }
-    let case: Case = toml::from_str(&effective).map_err(|e| {
+    let mut case: Case = toml::from_str(&effective).map_err(|e| {
         // The schema let it pass, so this is rare: a number that only the type refuses.
         fail(vec![
             Problem::error("tdem::case::invalid", "the case cannot be read")
                 .at(e.span().unwrap_or(0..0), e.message().to_owned()),
         ])
     })?;
-    let problems = check::check(&case, &tree);
+    let mut problems = courses::settle(&mut case, &tree, base_dir);
+    problems.extend(check::check(&case, &tree));
     if !problems.is_empty() {
         return Err(fail(problems));
     }

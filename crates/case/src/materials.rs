@@ -1,5 +1,6 @@
 //! Materials and what happens between each two of them.
 
+use crate::build::Conducting;
 use crate::problem::Problem;
 use crate::schema::{Case, Damping, Interaction as Given, Model, Tangential};
 use crate::tree::Node;
@@ -16,6 +17,8 @@ pub(crate) struct Materials {
     pub(crate) elastic: Vec<Elastic>,
     /// kg/m³; the rigid material has none.
     pub(crate) density: Vec<f64>,
+    /// What they are to heat; the rigid material conducts nothing.
+    pub(crate) thermal: Vec<Conducting>,
     /// Index of the entry in the case for each pair, `(materials, materials)`.
     given: Vec<Option<usize>>,
 }
@@ -29,11 +32,13 @@ impl Materials {
             .map(|m| Elastic { young_modulus: m.young_modulus.get(), poisson_ratio: m.poisson_ratio.get() })
             .collect();
         let mut density: Vec<f64> = case.material.values().map(|m| m.density.get()).collect();
+        let mut thermal: Vec<Conducting> = case.material.values().map(Conducting::of).collect();
         names.push(RIGID.to_owned());
         elastic.push(Elastic::RIGID);
         density.push(f64::INFINITY);
+        thermal.push(Conducting::NOTHING);
         let count = names.len();
-        let mut materials = Materials { names, elastic, density, given: vec![None; count * count] };
+        let mut materials = Materials { names, elastic, density, thermal, given: vec![None; count * count] };
         for (k, interaction) in case.interaction.iter().enumerate() {
             let [a, b] = interaction.between.each_ref().map(|name| usize::from(materials.index(name)));
             materials.given[a * count + b] = Some(k);

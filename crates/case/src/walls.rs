@@ -1,6 +1,6 @@
 //! Walls and boxes of a case, as planes.
 
-use crate::schema::{Case, Container, Face};
+use crate::schema::{Case, Container, Course, Face};
 use std::ops::Range;
 use tdem_engine::Wall;
 
@@ -32,6 +32,7 @@ pub(crate) struct Plane {
     pub(crate) wall: Wall,
     pub(crate) point: [f64; 3],
     pub(crate) span: Range<usize>,
+    pub(crate) temperature: Option<Course>,
 }
 
 impl Plane {
@@ -55,12 +56,18 @@ pub(crate) fn planes(case: &Case, tree: &crate::tree::Node, material: impl Fn(&s
             },
             point: wall.point,
             span: tree.place(&["wall", &k.to_string(), "point"]),
+            temperature: wall.temperature.clone(),
         });
     }
     for (k, container) in case.boxes.iter().enumerate() {
         let span = tree.place(&["box", &k.to_string()]);
         let material = material(&container.material);
-        planes.extend(faces(case, container, material).map(|(wall, point)| Plane { wall, point, span: span.clone() }));
+        planes.extend(faces(case, container, material).map(|(wall, point)| Plane {
+            wall,
+            point,
+            span: span.clone(),
+            temperature: container.temperature.clone(),
+        }));
     }
     planes
 }

@@ -104,6 +104,15 @@ impl Bonded {
         Some(Bonded { pairs, carried, joints, given })
     }
 
+    /// Indices of the particles of each bond, and its length, m.
+    pub(super) fn lengths(&self, domain: &Domain, state: &State) -> impl Iterator<Item = ([usize; 2], f64)> {
+        self.pairs.iter().chain(&self.carried).map(|pair| {
+            let pair = pair.map(|index| index as usize);
+            let offset = offset(domain, state, pair);
+            (pair, offset.dot(offset).sqrt())
+        })
+    }
+
     /// What a plan says of them.
     pub(super) fn plan(self, case: &Case) -> BondPlan {
         let damped = self.joints.iter().flatten().any(|joint| joint.cement.damping_ratio > 0.0);

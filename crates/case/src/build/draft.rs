@@ -7,6 +7,7 @@ use crate::schema::Particles;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 use tdem_engine::physics::Vec3;
+use tdem_engine::physics::heat::warming::grown;
 use tdem_engine::{Bond, BondHistory, BondPlan, Contact, Domain, Plan, State};
 
 /// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
@@ -22,6 +23,8 @@ pub(super) struct Spheres {
     pub(super) angular_velocity: Vec<[f64; 3]>,
     pub(super) id: Vec<u32>,
     pub(super) material: Vec<u16>,
+    /// K.
+    pub(super) temperature: Vec<f64>,
     /// Histories of pairs that already touch.
     pub(super) contacts: Vec<Contact>,
     /// Bonds that go on, with what they refer to; of other spheres all of this is empty.
@@ -68,6 +71,7 @@ impl Spheres {
             velocity: kept(&self.velocity, marks),
             angular_velocity: kept(&self.angular_velocity, marks),
             material: kept(&self.material, marks),
+            temperature: kept(&self.temperature, marks),
             contacts: contacts.collect(),
             carried,
             id,
@@ -137,6 +141,7 @@ impl Draft {
             state.material.push(material);
             state.constraint.push(0);
             state.radius.push(radius);
+            state.temperature.push(spheres.temperature.get(k).copied().unwrap_or(0.0));
             state.mass.push(sphere_mass(radius, context.materials.density[usize::from(material)]));
             let place = spheres.position[k];
             state.position.push(place);
@@ -182,6 +187,8 @@ impl Draft {
             state = State {
                 id: order.iter().map(|&k| state.id[k]).collect(),
                 material: order.iter().map(|&k| state.material[k]).collect(),
+                temperature: order.iter().map(|&k| state.temperature[k]).collect(),
+                exposure: order.iter().map(|&k| state.exposure[k]).collect(),
                 constraint: order.iter().map(|&k| state.constraint[k]).collect(),
                 radius: order.iter().map(|&k| state.radius[k]).collect(),
                 mass: order.iter().map(|&k| state.mass[k]).collect(),
@@ -203,10 +210,27 @@ impl Draft {
         if plan.ledger {
             state.accounts = vec![[0.0; 4]; count];
         }
+        heat(&mut state, plan);
         let remembers = plan.bonds.as_ref().is_some_and(BondPlan::remembers);
         self::bond(&mut state, &context.domain, &self.carried, bonds, remembers);
         state.wall_position = context.planes.iter().map(|plane| plane.point).collect();
         state
+    }
+}
+
+/// What belongs to heat. Radii are those of the reference temperature until here.
+fn heat(state: &mut State, plan: &Plan) {
+    let Some(heat) = &plan.heat else { return };
+    state.heat_rate = vec![0.0; state.len()];
+    if plan.ledger {
+        state.heat_accounts = vec![[0.0; 2]; state.len()];
+    }
+    if heat.expands() {
+        state.reference_radius = state.radius.clone();
+        for (k, radius) in state.radius.iter_mut().enumerate() {
+            let warmth = state.temperature[k] - heat.reference_temperature;
+            *radius = grown(*radius, heat.expansion(state.material[k]), warmth);
+        }
     }
 }
 

@@ -22,6 +22,26 @@ fn constant(kind: CellKind, radius: f64, gap: f64) -> f64 {
     }
 }
 
+/// What a face across an axis of a lattice has of a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    /// m².
+    pub(super) area: f64,
+    /// How deep the centre lies behind the face, half a layer, m.
+    pub(super) depth: f64,
+}
+
+impl Cell {
+    pub(super) fn of(spec: &Lattice) -> Self {
+        let a = constant(spec.kind, spec.radius.get(), spec.gap);
+        match spec.kind {
+            // Two particles on a square of the lattice constant, four layers in it.
+            CellKind::Fcc => Cell { area: 0.5 * (a * a), depth: 0.25 * a },
+            CellKind::Sc => Cell { area: a * a, depth: 0.5 * a },
+        }
+    }
+}
+
 /// Distance from the first to the last centre of some cells, in lattice constants.
 fn span(kind: CellKind, cells: f64) -> f64 {
     match kind {

@@ -4,6 +4,7 @@ mod bonds;
 mod csv;
 mod draft;
 mod gauges;
+mod heat;
 mod lattice;
 mod motion;
 mod placement;
@@ -13,9 +14,10 @@ mod shape;
 mod zones;
 
 pub(crate) use bonds::Vibration;
+pub(crate) use heat::{Conducting, Warming};
 pub use run::{NoRuns, RunLoader};
 
-use crate::limits::{Found, StepLimits};
+use crate::limits::{Fastest, Found, StepLimits};
 use crate::load::Loaded;
 use crate::materials::{Materials, law};
 use crate::problem::{Problem, Problems, unless_error};
@@ -75,7 +77,11 @@ impl Memory {
         let (particles, bonds) = (state.len(), state.bonds.len());
         let fixed = 4 + 2 + 2 + 8 + 8 + 12 + 5 * 24;
         let gear = plan.integrator == Integrator::Gear;
-        let optional = if gear { 96 } else { 0 } + if plan.ledger { 32 } else { 0 };
+        let heat = plan
+            .heat
+            .as_ref()
+            .map_or(0, |heat| 18 + if heat.expands() { 8 } else { 0 } + if plan.ledger { 16 } else { 0 });
+        let optional = if gear { 96 } else { 0 } + if plan.ledger { 32 } else { 0 } + heat;
         let contacts = NEIGHBOURS / 2 * size_of::<Contact>();
         let remembered = plan.bonds.as_ref().is_some_and(tdem_engine::BondPlan::remembers);
         let bond = size_of::<Bond>() + if remembered { size_of::<BondHistory>() } else { 0 };
@@ -140,6 +146,7 @@ impl Loaded {
         problems.extend(contradictions);
         problems.extend(motion.symmetry(&context, &mut draft));
         let (constraints, ramps) = motion.finish(&mut draft);
+        let heat = heat::of(&context, &mut draft, &zones, &mut problems);
         let found = Found::of(&context, &draft.state, &draft.group, &constraints, &ramps);
         let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
         problems.extend(context.materials.missing(case, &self.tree, &meeting));
@@ -155,18 +162,21 @@ impl Loaded {
         }
         let interactions = context.materials.interactions(case);
         let vibration = bonded.as_ref().map(|bonded| bonded.vibration(&context.domain, &draft.state, &constraints));
-        let limits =
-            StepLimits::of(&context, &found, &meeting, &interactions, vibration.as_ref().map(|v| (v, &draft.state)));
+        let warming = heat.as_ref().map(|h| Warming::of(h, bonded.as_ref(), &context.domain, &draft.state));
+        let fastest = Fastest { vibration: vibration.as_ref(), warming: warming.as_ref(), state: &draft.state };
+        let limits = StepLimits::of(&context, &found, &meeting, &interactions, &fastest);
         problems.extend(limits.problems(self));
         let mut plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
         let bonds = bonded.as_ref().map_or(Vec::new(), |bonded| bonded.bonds(case, &draft.state));
         plan.bonds = bonded.map(|bonded| bonded.plan(case));
         plan.ramps = ramps;
+        plan.heat = heat;
         let watched = gauges::members(case, &draft, &zones);
         let state = draft.finish(&context, &plan, bonds);
         let (gauges, coincident) = gauges::gauges(&context, &watched, &state, &plan);
         plan.gauges = gauges;
         problems.extend(coincident);
+        problems.extend(heat::quasi_static::check(&context, &plan, &state));
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
         let memory = Memory::of(&state, &plan, (schedule.frame_every > 0).then_some(fields));

@@ -58,7 +58,8 @@ pub(super) fn place(
     };
     Ok(Spheres {
         position: state.position.iter().map(|&place| moved(spec, place)).collect(),
-        radius: state.radius,
+        radius: (0..state.len()).map(|k| state.bonded_radius(k)).collect(),
+        temperature: state.temperature,
         velocity: state.velocity,
         angular_velocity: state.angular_velocity,
         id: state.id,

@@ -2,24 +2,25 @@
 
 use super::{COMPONENTS, Checker};
 use crate::problem::Problem;
-use crate::schema::{Joint, Micro, Model, Solid, Zone};
+use crate::schema::{Joint, Micro, Solid, Zone};
 use std::collections::BTreeMap;
 use tdem_engine::physics::bond::face_centred;
 
 impl Checker<'_> {
     pub(super) fn bonds(&mut self) {
         let bonds = &self.case.bond;
-        if self.case.model == Model::BPM && bonds.is_empty() {
+        if self.case.model.bonds() && bonds.is_empty() {
             let place = self.place(&["model"]);
             self.push(
-                Problem::error("tdem::case::missing-bond", "the model is BPM, but nothing says what bonds are made of")
-                    .at(place, "bonds particles")
-                    .help(
-                        "add a [[bond]] with between = [..., ...], its stiffness and its strength; or choose \"GNTM\"",
-                    ),
+                Problem::error(
+                    "tdem::case::missing-bond",
+                    format!("the model is {:?}, but nothing says what bonds are made of", self.case.model),
+                )
+                .at(place, "bonds particles")
+                .help("add a [[bond]] with between = [..., ...], its stiffness and its strength; or choose \"GNTM\""),
             );
         }
-        if self.case.model != Model::BPM && !bonds.is_empty() {
+        if !self.case.model.bonds() && !bonds.is_empty() {
             let [place, cause] = [&["bond", "0", "between"][..], &["model"]].map(|path| self.place(path));
             self.push(
                 Problem::error("tdem::case::bonds-need-bpm", "the case describes bonds, but its model has none")
@@ -220,6 +221,5 @@ impl Checker<'_> {
                 );
             }
         }
-        self.courses(&["zone", index], &zone.prescribed, &zone.force);
     }
 }

@@ -52,9 +52,11 @@ impl Gauge {
 }
 
 impl Checker<'_> {
-    /// Whether a gauge watches a group or zone of this name.
+    /// Whether a gauge watches, or a surface belongs to, a group or zone of this name.
     pub(super) fn is_watched(&self, name: &str) -> bool {
-        !name.is_empty() && self.case.gauge.iter().any(|gauge| gauge.watched().any(|watched| watched == name))
+        let surfaces = self.case.surface.iter().flat_map(|surface| surface.of.as_deref());
+        let gauges = self.case.gauge.iter().flat_map(Gauge::watched);
+        !name.is_empty() && gauges.chain(surfaces).any(|watched| watched == name)
     }
 
     pub(super) fn gauges(&mut self) {
@@ -122,7 +124,7 @@ impl Checker<'_> {
     }
 
     /// A name that one group of particles or one zone must have.
-    fn watched(&mut self, name: &str, path: &[&str]) {
+    pub(super) fn watched(&mut self, name: &str, path: &[&str]) {
         let places = self.named(name);
         let place = self.place(path);
         let names: Vec<&str> = (self.case.particles.iter().map(|group| group.name.as_str()))
@@ -136,8 +138,10 @@ impl Checker<'_> {
                 self.push(Problem::error("tdem::case::unknown-group", message).at(place, "not defined").help(help));
             }
             [first, second, ..] => {
-                let problem =
-                    Problem::error("tdem::case::duplicate-name", format!("two are called `{name}`, and it is watched"));
+                let problem = Problem::error(
+                    "tdem::case::duplicate-name",
+                    format!("two are called `{name}`, and it is referred to"),
+                );
                 let problem = problem.at(second.clone(), "again here").at(first.clone(), "first here");
                 self.push(problem.at(place, "which of them?").help("give each its own name"));
             }
@@ -157,7 +161,7 @@ impl Checker<'_> {
     }
 
     fn curves(&mut self, columns: &[String]) {
-        let bonds = self.case.model == crate::schema::Model::BPM;
+        let bonds = self.case.model.bonds();
         let columns: Vec<&str> = columns
             .iter()
             .map(String::as_str)

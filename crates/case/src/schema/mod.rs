@@ -4,23 +4,28 @@
 //! The same schema checks a file before `serde` reads it, so that all structural problems are found at once.
 
 mod bonds;
+mod course;
 mod gauge;
+mod heat;
 mod particles;
 mod quantity;
 mod shape;
 mod zone;
 
 pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
+pub use course::{Course, Measured};
 pub use gauge::{Curve, Gauge};
+pub use heat::{BarRadius, ContactPath, Convection, Depth, Heat, Radiation, Scale, Surface};
 pub use particles::{
-    Align, CellKind, Component, Course, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
+    Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     RunBonds, SizeDistribution, SizeRange,
 };
+pub(crate) use quantity::non_negative;
 pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
 pub use shape::{Ball, Block, Cylinder, Revolution, RibbedBar, Shape};
 pub use zone::Zone;
 
-use quantity::{fraction, non_negative, positive};
+use quantity::{fraction, positive};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -33,7 +38,8 @@ pub struct Case {
     /// What the case is about, in one line.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub title: String,
-    /// What particles do to each other: "GN" pushes, "GNT" also rubs, "GNTM" also turns, "BPM" also bonds.
+    /// What particles do to each other: "GN" pushes, "GNT" also rubs, "GNTM" also turns, "BPM" also bonds; "TBPM" is BPM
+    /// with heat.
     pub model: Model,
     /// Seed of all random numbers.
     #[serde(default = "one")]
@@ -65,6 +71,12 @@ pub struct Case {
     /// What bonds are made of, one entry for each pair of materials that is bonded. Needed with the model BPM.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bond: Vec<Joint>,
+    /// Heat. Particles of all models can have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heat: Option<Heat>,
+    /// Surfaces through which heat goes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surface: Vec<Surface>,
     /// Plane walls.
     #[serde(default)]
     pub wall: Vec<Wall>,
@@ -126,13 +138,20 @@ pub enum Model {
     GNTM,
     /// Bonds that break, and contacts as with GNTM.
     BPM,
+    /// The same with heat.
+    TBPM,
 }
 
 impl Model {
     /// Whether particles turn.
     #[must_use]
     pub fn turns(self) -> bool {
-        matches!(self, Model::GNTM | Model::BPM)
+        matches!(self, Model::GNTM | Model::BPM | Model::TBPM)
+    }
+    /// Whether particles are bonded.
+    #[must_use]
+    pub fn bonds(self) -> bool {
+        matches!(self, Model::BPM | Model::TBPM)
     }
 }
 
@@ -197,6 +216,18 @@ pub struct Material {
     pub young_modulus: Positive,
     /// Poisson's ratio.
     pub poisson_ratio: PoissonRatio,
+    /// Thermal conductivity, W/(m K). Needed with heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "W/(m K)"))]
+    pub thermal_conductivity: Option<NonNegative>,
+    /// Specific heat, J/(kg K). Needed with heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "J/(kg K)"))]
+    pub specific_heat: Option<Positive>,
+    /// Coefficient of linear thermal expansion, 1/K. Needed with heat; 0.0 for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "1/K"))]
+    pub thermal_expansion: Option<f64>,
 }
 
 /// Choices in the contact law.
@@ -291,6 +322,11 @@ pub struct Wall {
     pub velocity: [f64; 3],
     /// Its material, or "rigid".
     pub material: String,
+    /// Its temperature, constant or along points [time of the heat in s, temperature]; insulated if left out. A rigid wall
+    /// conducts nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "°C or K"))]
+    pub temperature: Option<Course>,
 }
 
 /// Six plane walls facing inward. Each is an infinite plane, so all particles are inside all boxes.
@@ -317,6 +353,10 @@ pub struct Container {
     pub velocity: [f64; 3],
     /// Its material, or "rigid".
     pub material: String,
+    /// Temperature of all its faces, constant or along points; insulated if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "°C or K"))]
+    pub temperature: Option<Course>,
 }
 
 fn default_box_name() -> String {

@@ -1,5 +1,6 @@
 //! Groups of particles: where they come from, and how they start.
 
+use super::course::Course;
 use super::quantity::{NonNegative, Positive};
 use super::shape::Shape;
 use schemars::JsonSchema;
@@ -29,6 +30,10 @@ pub struct Particles {
     /// Initial angular velocity, rad/s; added to what `csv` or `run` say.
     #[schemars(extend("x-unit" = "rad/s"))]
     pub angular_velocity: [f64; 3],
+    /// Temperature at the start, on the scale of `heat`; `heat.initial_temperature` if left out, or what `run` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "°C or K"))]
+    pub temperature: Option<f64>,
     /// Components that do not move: "x", "y", "z" and the rotations about them, "rx", "ry", "rz".
     pub fixed: Vec<Component>,
     /// Components that move at a given rate, m/s or rad/s, such as { x = 0.1 }, or along a ramp, such as
@@ -83,53 +88,6 @@ pub enum Component {
     Rz,
 }
 
-/// A value that may change with time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Course {
-    /// Always the same.
-    Constant(f64),
-    /// Straight between points [time in s, value], times ascending; constant before the first and behind the last.
-    Points(#[schemars(length(min = 1))] Vec<[f64; 2]>),
-}
-
-impl Course {
-    /// Its points; one if it is constant.
-    #[must_use]
-    pub fn points(&self) -> Vec<[f64; 2]> {
-        match self {
-            Course::Constant(value) => vec![[0.0, *value]],
-            Course::Points(points) => match points.as_slice() {
-                [first, others @ ..] if others.iter().all(|point| point[1] == first[1]) => vec![*first],
-                points => points.to_vec(),
-            },
-        }
-    }
-    /// The value at a time, s.
-    #[must_use]
-    pub fn at(&self, time: f64) -> f64 {
-        let (constraint, drives, axis) = (0, tdem_engine::Driven::Force, 0);
-        tdem_engine::Ramp { constraint, drives, axis, points: self.points() }.value(time)
-    }
-    /// One of so many equal parts.
-    #[must_use]
-    pub fn shared(&self, parts: usize) -> Course {
-        let parts = parts as f64;
-        match self {
-            Course::Constant(value) => Course::Constant(value / parts),
-            Course::Points(points) => {
-                Course::Points(points.iter().map(|[time, value]| [*time, value / parts]).collect())
-            }
-        }
-    }
-    /// Whether it always has the same value as another.
-    #[must_use]
-    pub fn is_like(&self, other: &Course) -> bool {
-        let (mine, others) = (self.points(), other.points());
-        mine == others || mine.len() == 1 && others.len() == 1 && mine[0][1] == others[0][1]
-    }
-}
-
 /// Rates at which components move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -166,6 +124,10 @@ impl Prescribed {
     pub fn components(&self) -> [Option<&Course>; 6] {
         [&self.x, &self.y, &self.z, &self.rx, &self.ry, &self.rz].map(Option::as_ref)
     }
+    /// The same, to be changed.
+    pub(crate) fn components_mut(&mut self) -> [Option<&mut Course>; 6] {
+        [&mut self.x, &mut self.y, &mut self.z, &mut self.rx, &mut self.ry, &mut self.rz].map(Option::as_mut)
+    }
     /// Whether nothing is prescribed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -196,6 +158,10 @@ impl Force {
     #[must_use]
     pub fn components(&self) -> [Option<&Course>; 3] {
         [&self.x, &self.y, &self.z].map(Option::as_ref)
+    }
+    /// The same, to be changed.
+    pub(crate) fn components_mut(&mut self) -> [Option<&mut Course>; 3] {
+        [&mut self.x, &mut self.y, &mut self.z].map(Option::as_mut)
     }
     /// Whether there is none.
     #[must_use]

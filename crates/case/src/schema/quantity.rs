@@ -91,12 +91,12 @@ pub enum Step {
 /// Reads and writes the word that stands for a number.
 macro_rules! word {
     ($module:ident, $word:literal) => {
-        mod $module {
+        pub(super) mod $module {
             use serde::{Deserialize, Deserializer, Serializer, de::Error};
-            pub(super) fn serialize<S: Serializer>(serializer: S) -> Result<S::Ok, S::Error> {
+            pub(in crate::schema) fn serialize<S: Serializer>(serializer: S) -> Result<S::Ok, S::Error> {
                 serializer.serialize_str($word)
             }
-            pub(super) fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<(), D::Error> {
+            pub(in crate::schema) fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<(), D::Error> {
                 match String::deserialize(deserializer)?.as_str() {
                     $word => Ok(()),
                     other => Err(D::Error::custom(format!("expected \"{}\", found \"{other}\"", $word))),
@@ -108,6 +108,8 @@ macro_rules! word {
 word!(auto, "auto");
 word!(sixteen_thirds, "16/3");
 word!(unbreakable, "unbreakable");
+word!(fcc, "fcc");
+word!(half_cell, "half-cell");
 
 impl JsonSchema for Step {
     fn inline_schema() -> bool {
@@ -199,7 +201,7 @@ impl JsonSchema for Strength {
 pub(super) const fn positive(value: f64) -> Positive {
     Positive(value)
 }
-pub(super) const fn non_negative(value: f64) -> NonNegative {
+pub(crate) const fn non_negative(value: f64) -> NonNegative {
     NonNegative(value)
 }
 pub(super) const fn fraction(value: f64) -> Fraction {

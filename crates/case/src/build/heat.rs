@@ -1,0 +1,87 @@
+//! Heat: from the tables of a case to temperatures, and to what a plan says of heat.
+
+mod conductance;
+pub(super) mod quasi_static;
+mod surface;
+
+pub(crate) use conductance::Warming;
+
+use super::Context;
+use super::draft::Draft;
+use crate::problem::Problem;
+use crate::schema::{self, ContactPath};
+use std::f64::consts::FRAC_PI_4;
+use tdem_engine::physics::heat::conduction::pair_conductivity;
+use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::{Course, HeatPlan, Thermal};
+
+/// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
+pub(super) fn of(
+    context: &Context<'_>,
+    draft: &mut Draft,
+    zones: &[Vec<u32>],
+    problems: &mut Vec<Problem>,
+) -> Option<HeatPlan> {
+    let case = &context.loaded.case;
+    let heat = case.heat.as_ref()?;
+    let zero = heat.scale.zero();
+    let initial =
+        |group: u16| case.particles[usize::from(group)].temperature.unwrap_or(heat.initial_temperature) + zero;
+    let known = std::mem::take(&mut draft.state.temperature);
+    draft.state.temperature = (draft.group.iter().zip(known))
+        // Of another run that had heat, temperatures go on.
+        .map(|(&group, known)| {
+            if known > 0.0 && case.particles[usize::from(group)].temperature.is_none() { known } else { initial(group) }
+        })
+        .collect();
+    let exposures = surface::expose(context, heat, draft, zones, problems);
+    let materials = context.materials.len();
+    let conductivity = |k: usize| context.materials.thermal[k].conductivity;
+    let section = FRAC_PI_4 * (heat.bar_radius() * heat.bar_radius());
+    let conductor = |k: usize| Conductor {
+        conductivity: pair_conductivity(conductivity(k / materials), conductivity(k % materials)),
+        section,
+    };
+    Some(HeatPlan {
+        time_scale: heat.time_scale(case),
+        reference_temperature: heat.reference_temperature.unwrap_or(heat.initial_temperature) + zero,
+        materials: context.materials.thermal.iter().map(|of| of.thermal).collect(),
+        conductors: (0..materials * materials).map(conductor).collect(),
+        contacts: match heat.contacts {
+            ContactPath::Bar => Path::Bar,
+            ContactPath::Circle => Path::Circle,
+            ContactPath::Closed => Path::Closed,
+        },
+        exposures,
+        walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
+    })
+}
+
+/// A course of the engine; `zero` is added to its values.
+fn course(given: &schema::Course, zero: f64) -> Course {
+    Course(given.points().iter().map(|&[time, value]| [time, value + zero]).collect())
+}
+
+/// What a material is to heat.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Conducting {
+    /// W/(m K).
+    pub(crate) conductivity: f64,
+    pub(crate) thermal: Thermal,
+}
+
+impl Conducting {
+    /// What conducts nothing; nobody asks for its specific heat.
+    pub(crate) const NOTHING: Conducting =
+        Conducting { conductivity: 0.0, thermal: Thermal { specific_heat: 1.0, expansion: 0.0 } };
+
+    pub(crate) fn of(material: &schema::Material) -> Self {
+        Conducting {
+            conductivity: material.thermal_conductivity.map_or(0.0, schema::NonNegative::get),
+            thermal: Thermal {
+                specific_heat: material.specific_heat.map_or(1.0, schema::Positive::get),
+                expansion: material.thermal_expansion.unwrap_or(0.0),
+            },
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! How large a step of the heat may be.
+
+use super::super::bonds::Bonded;
+use rayon::prelude::*;
+use tdem_engine::physics::heat::conduction::{bar, circle};
+use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::{Domain, HeatPlan, State};
+
+/// Others that a particle may touch.
+const CONTACTS: f64 = 12.0;
+/// Overlap at which contacts are taken to conduct, as a fraction of the radius.
+const OVERLAP: f64 = 0.01;
+
+/// What the step limits need to know of heat: the extremes over all particles, in time of the heat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Warming {
+    /// Up to this step temperatures follow without oscillation, s: $\min mc/\sum H$ (Gershgorin).
+    pub(crate) safe_step: f64,
+    /// Beyond this one particle alone swings ever wider, s: twice that, of bonds and surfaces alone.
+    pub(crate) certain_step: f64,
+    /// The particle that sets the first.
+    pub(crate) particle: usize,
+}
+
+impl Warming {
+    /// The smallest over all particles; `plan` is the heat of the plan that they will follow.
+    pub(in crate::build) fn of(plan: &HeatPlan, bonded: Option<&Bonded>, domain: &Domain, state: &State) -> Warming {
+        let mut conductance = vec![0.0; state.len()];
+        let mut bonds = vec![0.0; state.len()];
+        if let Some(bonded) = bonded {
+            for (pair, length) in bonded.lengths(domain, state) {
+                let radius_sum = state.radius[pair[0]] + state.radius[pair[1]];
+                let through = bar(plan.conductor(state.material[pair[0]], state.material[pair[1]]), radius_sum, length);
+                pair.iter().for_each(|&index| {
+                    conductance[index] += through;
+                    bonds[index] += 1.0;
+                });
+            }
+        }
+        (0..state.len())
+            .into_par_iter()
+            .map(|k| {
+                let material = state.material[k];
+                let capacity = state.mass[k] * plan.materials[usize::from(material)].specific_heat;
+                let certain = conductance[k] + surface(plan, state.exposure[k]);
+                let contact = touching(plan.contacts, plan.conductor(material, material), state.radius[k]);
+                let all = certain + (CONTACTS - bonds[k]).max(0.0) * contact;
+                Warming { safe_step: capacity / all, certain_step: 2.0 * capacity / certain, particle: k }
+            })
+            .reduce(
+                || Warming { safe_step: f64::INFINITY, certain_step: f64::INFINITY, particle: usize::MAX },
+                |a, b| {
+                    let first = (b.safe_step, b.particle) < (a.safe_step, a.particle);
+                    let (safe_step, particle) =
+                        if first { (b.safe_step, b.particle) } else { (a.safe_step, a.particle) };
+                    Warming { safe_step, particle, certain_step: a.certain_step.min(b.certain_step) }
+                },
+            )
+    }
+}
+
+/// Conductance of a contact of two alike, W/K: an estimate.
+fn touching(path: Path, conductor: &Conductor<f64>, radius: f64) -> f64 {
+    match path {
+        Path::Closed => 0.0,
+        Path::Bar => bar(conductor, 2.0 * radius, 2.0 * radius),
+        Path::Circle => circle(conductor.conductivity, 0.5 * radius, OVERLAP * radius),
+    }
+}
+
+/// What surfaces conduct, W/K; radiation at its hottest. A particle that is held at a temperature has no limit of its own.
+fn surface(plan: &HeatPlan, exposure: u16) -> f64 {
+    let of = &plan.exposures[usize::from(exposure)];
+    let each = of.exchanges.iter().map(|(exchange, outside)| {
+        let hottest = outside.0.iter().map(|point| point[1]).fold(plan.reference_temperature, f64::max);
+        exchange.conductance + 4.0 * exchange.radiation * (hottest * hottest * hottest)
+    });
+    each.sum()
+}

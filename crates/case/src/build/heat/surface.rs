@@ -1,0 +1,199 @@
+//! Surfaces: which particles lie at them, and what each of these exchanges.
+
+use super::super::{Context, Draft, lattice};
+use super::course;
+use crate::problem::{Problem, counted};
+use crate::schema::{Depth, Face, Heat, Surface};
+use crate::walls::FACES;
+use std::collections::BTreeMap;
+use tdem_engine::physics::heat::Exchange;
+use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
+use tdem_engine::{Course, Exposure};
+
+/// How far centres of a layer may lie behind the outermost, as a fraction of their radius.
+const LAYER: f64 = 0.5;
+
+/// A surface with its particles.
+struct Skin<'c> {
+    surface: &'c Surface,
+    index: usize,
+    /// Indices into the draft.
+    members: Vec<u32>,
+    /// Part of each particle, m².
+    area: f64,
+    /// Of their centres, m.
+    depth: f64,
+}
+
+/// What particles are exposed to; the draft gets an index for each.
+pub(super) fn expose(
+    context: &Context<'_>,
+    heat: &Heat,
+    draft: &mut Draft,
+    zones: &[Vec<u32>],
+    problems: &mut Vec<Problem>,
+) -> Vec<Exposure> {
+    let mut skins = Vec::new();
+    for (index, surface) in context.loaded.case.surface.iter().enumerate() {
+        match skin(context, draft, zones, index, surface) {
+            Ok(skin) => skins.push(skin),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    let mut of_particle: Vec<Vec<usize>> = vec![Vec::new(); draft.state.len()];
+    for (k, skin) in skins.iter().enumerate() {
+        skin.members.iter().for_each(|&member| of_particle[member as usize].push(k));
+    }
+    problems.extend(held_twice(context, &skins, &of_particle));
+    let mut known: BTreeMap<(u16, &[usize]), u16> = BTreeMap::new();
+    let mut exposures = vec![Exposure::default()];
+    draft.state.exposure = (of_particle.iter().zip(&draft.state.material))
+        .map(|(of, &material)| {
+            if of.is_empty() {
+                return 0;
+            }
+            *known.entry((material, of)).or_insert_with(|| {
+                let conductivity = context.materials.thermal[usize::from(material)].conductivity;
+                exposures.push(exposure(heat, of.iter().map(|&k| &skins[k]), conductivity));
+                (exposures.len() - 1) as u16
+            })
+        })
+        .collect();
+    exposures
+}
+
+/// A surface of the case with its particles.
+fn skin<'c>(
+    context: &Context<'_>,
+    draft: &Draft,
+    zones: &[Vec<u32>],
+    index: usize,
+    surface: &'c Surface,
+) -> Result<Skin<'c>, Problem> {
+    let case = &context.loaded.case;
+    let place = |key: &str| context.loaded.tree.place(&["surface", &index.to_string(), key]);
+    let all = 0..draft.state.len() as u32;
+    let mut members: Vec<u32> = match &surface.of {
+        None => all.collect(),
+        Some(name) => match case.zone.iter().position(|zone| zone.name == *name) {
+            Some(zone) => zones[zone].clone(),
+            None => all.filter(|&k| case.particles[usize::from(draft.group[k as usize])].name == *name).collect(),
+        },
+    };
+    if let Some(face) = surface.face {
+        members = outermost(draft, members, face);
+    }
+    if members.is_empty() {
+        return Err(Problem::error("tdem::case::surface-empty", "no particle lies at this surface")
+            .at(place("of"), "has no particles")
+            .help("zones act in the order of the file, and hold particles whose centres lie in them"));
+    }
+    let cell = lattice_of(context, draft, &members);
+    let area = match (surface.area, &cell) {
+        (Some(area), _) => area.get() / members.len() as f64,
+        (None, Some(cell)) => cell.area,
+        // Nothing but a temperature held without depth can do without.
+        (None, None) if surface.temperature.is_some() && surface.depth == Depth::Metres(zero()) => 0.0,
+        (None, None) => {
+            return Err(Problem::error("tdem::case::missing-key", "nothing says how large this surface is")
+                .at(place(""), "`area` belongs here")
+                .help("add area = ... in m²; only particles of one lattice can do without"));
+        }
+    };
+    let depth = match (surface.depth, &cell) {
+        (Depth::Metres(depth), _) => depth.get(),
+        (Depth::HalfCell, Some(cell)) => cell.depth,
+        (Depth::HalfCell, None) => {
+            return Err(Problem::error("tdem::case::missing-key", "half a cell is a depth of lattices only")
+                .at(place("depth"), "`depth` belongs here")
+                .help("add depth = ..., how deep centres lie behind the surface, m; 0.0 for not at all"));
+        }
+    };
+    Ok(Skin { surface, index, members, area, depth })
+}
+
+fn zero() -> crate::schema::NonNegative {
+    crate::schema::non_negative(0.0)
+}
+
+/// Those that lie outermost in a direction.
+fn outermost(draft: &Draft, members: Vec<u32>, face: Face) -> Vec<u32> {
+    let state = &draft.state;
+    let (axis, low) = FACES.iter().find(|known| known.0 == face).map_or((0, true), |&(_, axis, low)| (axis, low));
+    let height = |k: u32| if low { -state.position[k as usize][axis] } else { state.position[k as usize][axis] };
+    let highest = members.iter().map(|&k| height(k)).fold(f64::NEG_INFINITY, f64::max);
+    members.into_iter().filter(|&k| highest - height(k) <= LAYER * state.radius[k as usize]).collect()
+}
+
+/// The lattice that particles lie on, if it is one.
+fn lattice_of(context: &Context<'_>, draft: &Draft, members: &[u32]) -> Option<lattice::Cell> {
+    let mut groups: Vec<u16> = members.iter().map(|&k| draft.group[k as usize]).collect();
+    groups.dedup();
+    groups.sort_unstable();
+    groups.dedup();
+    let cell = |group: u16| context.loaded.case.particles[usize::from(group)].lattice.as_ref().map(lattice::Cell::of);
+    let first = cell(*groups.first()?)?;
+    groups.iter().all(|&group| cell(group) == Some(first)).then_some(first)
+}
+
+/// Particles that two surfaces hold at a temperature: one problem for each pair of surfaces.
+fn held_twice(context: &Context<'_>, skins: &[Skin<'_>], of_particle: &[Vec<usize>]) -> Vec<Problem> {
+    let mut pairs: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for of in of_particle {
+        let held: Vec<usize> = of.iter().copied().filter(|&k| skins[k].holds()).collect();
+        if let [first, second, ..] = held.as_slice() {
+            *pairs.entry([*first, *second]).or_insert(0) += 1;
+        }
+    }
+    let place = |k: usize| context.loaded.tree.place(&["surface", &skins[k].index.to_string(), "temperature"]);
+    pairs
+        .into_iter()
+        .map(|([first, second], count)| {
+            let who = counted(count, "particle");
+            Problem::error("tdem::case::two-temperatures", format!("{who} would be held at two temperatures"))
+                .at(place(second), "some particles here")
+                .at(place(first), "have this from before")
+                .help("bound one of the surfaces so that it leaves these particles out, or give it a depth")
+        })
+        .collect()
+}
+
+impl Skin<'_> {
+    /// Whether its particles themselves are held at its temperature.
+    fn holds(&self) -> bool {
+        self.surface.temperature.is_some() && self.depth == 0.0
+    }
+}
+
+/// What several surfaces together do to a particle.
+fn exposure<'s>(heat: &Heat, skins: impl Iterator<Item = &'s Skin<'s>>, conductivity: f64) -> Exposure {
+    const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+    let zero = heat.scale.zero();
+    let mut exposure = Exposure::default();
+    for skin in skins {
+        let (surface, area, depth) = (skin.surface, skin.area, skin.depth);
+        let mut add = |exchange: Exchange<f64>, outside: Course| exposure.exchanges.push((exchange, outside));
+        if let Some(flux) = &surface.flux {
+            add(Exchange { flux_area: area, ..NONE }, course(flux, 0.0));
+        }
+        if let Some(convection) = &surface.convection {
+            let conductance = surface_conductance(area, depth, conductivity, convection.coefficient.get());
+            add(Exchange { conductance, ..NONE }, course(&convection.temperature, zero));
+        }
+        if let Some(radiation) = &surface.radiation {
+            let resistance = if depth > 0.0 { depth / (conductivity * area) } else { 0.0 };
+            let radiates = radiation.emissivity.get() * STEFAN_BOLTZMANN * area;
+            add(Exchange { radiation: radiates, resistance, ..NONE }, course(&radiation.temperature, zero));
+        }
+        if let Some(temperature) = &surface.temperature {
+            let temperature = course(temperature, zero);
+            if skin.holds() {
+                exposure.temperature = Some(temperature);
+            } else {
+                let conductance = surface_conductance(area, depth, conductivity, f64::INFINITY);
+                add(Exchange { conductance, ..NONE }, temperature);
+            }
+        }
+    }
+    exposure
+}

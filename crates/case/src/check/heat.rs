@@ -1,0 +1,215 @@
+//! What the text shows to be wrong with heat and surfaces.
+
+use super::Checker;
+use crate::materials::RIGID;
+use crate::problem::Problem;
+use crate::schema::{BarRadius, BondForm, ContactPath, Course, Heat, Model, Surface};
+
+impl Checker<'_> {
+    pub(super) fn heat(&mut self) {
+        let Some(heat) = &self.case.heat else { return self.without_heat() };
+        if self.case.model == Model::BPM {
+            let [place, heat] = [&["model"][..], &["heat"]].map(|path| self.place(path));
+            self.push(
+                Problem::error("tdem::case::heat-and-model", "the case describes heat, but its model has none")
+                    .at(place, "bonds without heat")
+                    .at(heat, "heat is described here")
+                    .help("write model = \"TBPM\", which is BPM with heat, or remove [heat]"),
+            );
+        }
+        for key in ["initial_temperature", "reference_temperature"] {
+            let value =
+                if key == "initial_temperature" { Some(heat.initial_temperature) } else { heat.reference_temperature };
+            if let Some(value) = value {
+                self.temperature(heat, value, &["heat", key]);
+            }
+        }
+        if heat.time_scale.is_some() && heat.duration.is_some() {
+            self.exclusive(&["heat"], "time_scale", "duration");
+        }
+        if let Some(cells) = heat.open_sides {
+            let place = self.place(&["heat", "open_sides"]);
+            if cells.contains(&0) {
+                self.push(
+                    Problem::error("tdem::case::out-of-range", "a block has at least 1 cell in each direction")
+                        .at(place, "must be at least 1"),
+                );
+            } else if heat.bar_radius != BarRadius::FaceCentred {
+                let cause = self.place(&["heat", "bar_radius"]);
+                self.push(
+                    Problem::error("tdem::case::conflicting-keys", "`open_sides` corrects \"fcc\", not a number")
+                        .at(place, "conflicts")
+                        .at(cause, "with this")
+                        .help("write bar_radius = \"fcc\", or remove `open_sides`"),
+                );
+            }
+        }
+        for (k, group) in self.case.particles.iter().enumerate() {
+            if let Some(temperature) = group.temperature {
+                self.temperature(heat, temperature, &["particles", &k.to_string(), "temperature"]);
+            }
+        }
+        self.thermal_materials();
+        self.warm_walls(heat);
+    }
+
+    /// What only heat can use.
+    fn without_heat(&mut self) {
+        if self.case.model == Model::TBPM {
+            let place = self.place(&["model"]);
+            self.push(
+                Problem::error("tdem::case::missing-heat", "the model is TBPM, but nothing says anything of heat")
+                    .at(place, "bonds with heat")
+                    .help("add a table [heat], or write model = \"BPM\""),
+            );
+        }
+        let groups = self.case.particles.iter().map(|group| group.temperature.is_some());
+        let walls = self.case.wall.iter().map(|wall| wall.temperature.is_some());
+        let boxes = self.case.boxes.iter().map(|of| of.temperature.is_some());
+        let all = groups.enumerate().map(|(k, warm)| ("particles", k, warm));
+        let all = all.chain(walls.enumerate().map(|(k, warm)| ("wall", k, warm)));
+        let all = all.chain(boxes.enumerate().map(|(k, warm)| ("box", k, warm)));
+        let mut places: Vec<_> = all
+            .filter(|&(_, _, warm)| warm)
+            .map(|(table, k, _)| self.place(&[table, &k.to_string(), "temperature"]))
+            .collect();
+        places.extend((0..self.case.surface.len()).map(|k| self.place(&["surface", &k.to_string()])));
+        for place in places {
+            self.push(
+                Problem::error("tdem::case::missing-heat", "this is about heat, and the case has no table [heat]")
+                    .at(place, "has no effect")
+                    .help("add a table [heat], or remove this"),
+            );
+        }
+    }
+
+    /// A temperature must be above absolute zero.
+    fn temperature(&mut self, heat: &Heat, value: f64, path: &[&str]) {
+        let zero = -heat.scale.zero();
+        if value <= zero || !value.is_finite() {
+            let unit = heat.scale.unit();
+            let place = self.place(path);
+            self.push(
+                Problem::error("tdem::case::below-absolute-zero", format!("{value} {unit} is no temperature"))
+                    .at(place, format!("must be above {zero} {unit}"))
+                    .help("heat.scale says whether temperatures are in °C or K"),
+            );
+        }
+    }
+
+    fn temperatures(&mut self, heat: &Heat, course: &Course, path: &[&str]) {
+        if let Course::Constant(value) = course {
+            self.temperature(heat, *value, path);
+        } else if let Some(coldest) = course.points().iter().map(|point| point[1]).min_by(f64::total_cmp) {
+            self.temperature(heat, coldest, path);
+        }
+    }
+
+    /// Heat needs three values of every material.
+    fn thermal_materials(&mut self) {
+        for (name, material) in &self.case.material {
+            let given = [
+                ("thermal_conductivity", material.thermal_conductivity.is_some(), "W/(m K)"),
+                ("specific_heat", material.specific_heat.is_some(), "J/(kg K)"),
+                ("thermal_expansion", material.thermal_expansion.is_some(), "1/K; 0.0 for none"),
+            ];
+            for (key, _, unit) in given.into_iter().filter(|(_, there, _)| !there) {
+                let [place, cause] = [&["material", name][..], &["heat"]].map(|path| self.tree.key_place(path));
+                self.push(
+                    Problem::error("tdem::case::missing-parameter", format!("the material `{name}` lacks `{key}`"))
+                        .at(place, format!("`{key}` belongs here"))
+                        .at(cause, "the case has heat")
+                        .help(format!("add {key} = ... in {unit}")),
+                );
+            }
+            let expands = material.thermal_expansion.is_some_and(|expansion| expansion != 0.0);
+            if expands && self.case.bonds.form != BondForm::Total && self.case.model.bonds() {
+                let place = self.place(&["bonds", "form"]);
+                let cause = self.place(&["material", name, "thermal_expansion"]);
+                self.push(
+                    Problem::error(
+                        "tdem::case::expansion-of-stored-forces",
+                        format!("`{name}` expands, but bonds that store forces cannot"),
+                    )
+                    .at(place, "stores forces")
+                    .at(cause, "expands")
+                    .help("write bonds.form = \"total\", with which free expansion is free of stress"),
+                );
+            }
+        }
+    }
+
+    fn warm_walls(&mut self, heat: &Heat) {
+        let walls = self.case.wall.iter().map(|wall| (&wall.temperature, &wall.material));
+        let boxes = self.case.boxes.iter().map(|of| (&of.temperature, &of.material));
+        let all = walls.enumerate().map(|entry| ("wall", entry)).chain(boxes.enumerate().map(|entry| ("box", entry)));
+        for (table, (k, (temperature, material))) in all {
+            let Some(course) = temperature else { continue };
+            let index = k.to_string();
+            let path = [table, &index, "temperature"];
+            self.temperatures(heat, course, &path);
+            let idle = if material == RIGID {
+                Some(([table, &index, "material"], "a rigid wall conducts nothing", "name a material that conducts"))
+            } else if heat.contacts == ContactPath::Closed {
+                Some((
+                    ["heat", "contacts", ""],
+                    "no heat goes through contacts",
+                    "write heat.contacts = \"circle\" or \"bar\"",
+                ))
+            } else {
+                None
+            };
+            if let Some((cause, why, help)) = idle {
+                let [place, cause] = [&path[..], &cause].map(|path| self.place(path));
+                self.push(
+                    Problem::error("tdem::case::idle-temperature", "the temperature of this wall reaches no particle")
+                        .at(place, "has no effect")
+                        .at(cause, why)
+                        .help(help),
+                );
+            }
+        }
+    }
+
+    pub(super) fn surfaces(&mut self) {
+        let Some(heat) = &self.case.heat else { return };
+        for (k, surface) in self.case.surface.iter().enumerate() {
+            self.surface(heat, surface, &k.to_string());
+        }
+    }
+
+    fn surface(&mut self, heat: &Heat, surface: &Surface, index: &str) {
+        if let Some(of) = &surface.of {
+            self.watched(of, &["surface", index, "of"]);
+        }
+        let acts = [
+            ("temperature", surface.temperature.is_some()),
+            ("flux", surface.flux.is_some()),
+            ("convection", surface.convection.is_some()),
+            ("radiation", surface.radiation.is_some()),
+        ];
+        let acts: Vec<&str> = acts.into_iter().filter_map(|(key, there)| there.then_some(key)).collect();
+        match acts.as_slice() {
+            [] => {
+                let place = self.place(&["surface", index]);
+                self.push(
+                    Problem::error("tdem::case::missing-key", "nothing goes through this surface")
+                        .at(place, "`temperature`, `flux`, `convection` or `radiation` belongs here")
+                        .help("remove it if it is insulated: whatever is in no surface is"),
+                );
+            }
+            ["temperature", other, ..] => self.exclusive(&["surface", index], "temperature", other),
+            _ => {}
+        }
+        let courses = [
+            (&["temperature"][..], surface.temperature.as_ref()),
+            (&["convection", "temperature"], surface.convection.as_ref().map(|c| &c.temperature)),
+            (&["radiation", "temperature"], surface.radiation.as_ref().map(|r| &r.temperature)),
+        ];
+        for (keys, course) in courses {
+            if let Some(course) = course {
+                self.temperatures(heat, course, &[&["surface", index], keys].concat());
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Courses of a case: files that they are measured in are read, and points that do not follow each other in time are found.
+
+use crate::check::COMPONENTS;
+use crate::problem::Problem;
+use crate::schema::{Case, Course, Force, Measured, Prescribed};
+use crate::structure::suggestion;
+use crate::tree::Node;
+use std::path::Path;
+
+/// A course of a case, and the keys that lead to it.
+type Found<'c> = (Vec<String>, &'c mut Course);
+
+/// Reads what is in files, and checks all courses.
+pub(crate) fn settle(case: &mut Case, tree: &Node, base_dir: &Path) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for (keys, course) in all(case) {
+        let path: Vec<&str> = keys.iter().map(String::as_str).collect();
+        if let Course::Measured(measured) = course {
+            match read(measured, base_dir) {
+                Ok(points) => *course = Course::Points(points),
+                Err(fault) => {
+                    let place = tree.place(&[&path[..], &[fault.key]].concat());
+                    problems.push(Problem::error(fault.code, fault.what).at(place, "see there").help(fault.help));
+                }
+            }
+        } else if let Course::Points(points) = course {
+            problems.extend(backwards(points).map(|(point, before, after)| {
+                let place = tree.place(&[&path[..], &[&point.to_string()]].concat());
+                Problem::error("tdem::case::inverted-range", format!("the course goes from {before} s to {after} s"))
+                    .at(place, "must be later than the point before it")
+                    .help("give points [time in s, value] in the order of time; a jump takes a short time")
+            }));
+        }
+    }
+    problems
+}
+
+/// All courses of a case.
+fn all(case: &mut Case) -> Vec<Found<'_>> {
+    let mut found = Vec::new();
+    let index = |table: &str, k: usize| vec![table.to_owned(), k.to_string()];
+    for (k, group) in case.particles.iter_mut().enumerate() {
+        driven(&index("particles", k), &mut group.prescribed, &mut group.force, &mut found);
+    }
+    for (k, zone) in case.zone.iter_mut().enumerate() {
+        driven(&index("zone", k), &mut zone.prescribed, &mut zone.force, &mut found);
+    }
+    let walls = case.wall.iter_mut().map(|wall| &mut wall.temperature).enumerate().map(|entry| ("wall", entry));
+    let boxes = case.boxes.iter_mut().map(|of| &mut of.temperature).enumerate().map(|entry| ("box", entry));
+    for (table, (k, temperature)) in walls.chain(boxes) {
+        found.extend(temperature.iter_mut().map(|course| (below(&index(table, k), &["temperature"]), course)));
+    }
+    for (k, surface) in case.surface.iter_mut().enumerate() {
+        let path = index("surface", k);
+        let convection = surface.convection.as_mut().map(|c| &mut c.temperature);
+        let radiation = surface.radiation.as_mut().map(|r| &mut r.temperature);
+        let courses = [
+            (&["temperature"][..], surface.temperature.as_mut()),
+            (&["flux"], surface.flux.as_mut()),
+            (&["convection", "temperature"], convection),
+            (&["radiation", "temperature"], radiation),
+        ];
+        found.extend(courses.into_iter().filter_map(|(keys, course)| Some((below(&path, keys), course?))));
+    }
+    found
+}
+
+fn below(path: &[String], keys: &[&str]) -> Vec<String> {
+    path.iter().cloned().chain(keys.iter().map(|&key| key.to_owned())).collect()
+}
+
+fn driven<'c>(path: &[String], prescribed: &'c mut Prescribed, force: &'c mut Force, found: &mut Vec<Found<'c>>) {
+    let rates =
+        prescribed.components_mut().into_iter().zip(COMPONENTS).map(|(course, (_, name))| ("prescribed", name, course));
+    let forces = force.components_mut().into_iter().zip(COMPONENTS).map(|(course, (_, name))| ("force", name, course));
+    found.extend(rates.chain(forces).filter_map(|(key, name, course)| Some((below(path, &[key, name]), course?))));
+}
+
+/// Points that are not later than those before them: their indices, and both times.
+fn backwards(points: &[[f64; 2]]) -> impl Iterator<Item = (usize, f64, f64)> {
+    let times = |k: usize| (k, points[k - 1][0], points[k][0]);
+    (1..points.len()).map(times).filter(|(_, before, after)| before >= after)
+}
+
+/// What is wrong with a file.
+struct Fault {
+    code: &'static str,
+    /// The key of the course that it is about.
+    key: &'static str,
+    what: String,
+    help: String,
+}
+
+/// Points of a table.
+fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
+    let path = base_dir.join(&measured.file);
+    let name = path.display();
+    let fault = |code, key, what: String, help: &str| Fault { code, key, what, help: help.to_owned() };
+    let text = std::fs::read_to_string(&path).map_err(|error| {
+        let help = "paths are relative to the folder of the case";
+        fault("tdem::case::csv-unreadable", "file", format!("cannot read {name}: {error}"), help)
+    })?;
+    let mut lines = text.lines().zip(1_usize..).filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
+    let Some((header, _)) = lines.next() else {
+        return Err(fault(
+            "tdem::case::csv-empty",
+            "file",
+            format!("{name} is empty"),
+            "its first line names the columns",
+        ));
+    };
+    let columns: Vec<&str> = header.split(',').map(|column| column.trim().trim_matches('"')).collect();
+    let column = |key, wanted: &str| {
+        columns.iter().position(|column| *column == wanted).ok_or_else(|| {
+            let what = format!("{name} has no column `{wanted}`");
+            fault("tdem::case::csv-column", key, what, &suggestion(wanted, &columns))
+        })
+    };
+    let chosen = [column("time", &measured.time)?, column("value", &measured.value)?];
+    let mut points = Vec::new();
+    for (line, number) in lines {
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        let value = |column: usize| fields.get(column).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite());
+        let [Some(time), Some(value)] = chosen.map(value) else {
+            let what = format!("{name}:{number}: `{line}` has no numbers in both columns");
+            return Err(fault("tdem::case::csv-value", "file", what, "numbers look like 1.5e-3, with commas between"));
+        };
+        points.push([time * measured.time_factor.get(), value]);
+    }
+    if points.is_empty() {
+        return Err(fault(
+            "tdem::case::csv-empty",
+            "file",
+            format!("{name} has no rows"),
+            "each row is a time and a value",
+        ));
+    }
+    if !text.ends_with('\n') {
+        let what = format!("{name} does not end with a line break: its last line may be cut off");
+        return Err(fault("tdem::case::csv-truncated", "file", what, "write the file again"));
+    }
+    if let Some((_, before, after)) = backwards(&points).next() {
+        let what = format!("{name}: time goes from {before} s to {after} s");
+        return Err(fault("tdem::case::inverted-range", "file", what, "rows follow each other in time"));
+    }
+    Ok(points)
+}
