@@ -2,46 +2,14 @@
 
 mod common;
 
-use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, chain, cracking_block, free_space, lattice};
-use common::{DENSITY, random, scene, spheres};
+use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, chain, free_space, lattice};
+use common::heated::{EXPANSION, REFERENCE, SPECIFIC_HEAT, constant, heat_of, heated, warm_block, warm_cloud};
+use common::{DENSITY, spheres};
 use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::surface::surface_conductance;
-use tdem_engine::physics::heat::{Conductor, Exchange, Path};
-use tdem_engine::{
-    Constraint, Course, Exposure, Fault, HeatPlan, Integrator, Plan, Simulation, State, Thermal, heat_accounts,
-};
-
-const REFERENCE: f64 = 293.15;
-const SPECIFIC_HEAT: f64 = 900.0;
-const EXPANSION: f64 = 1e-4;
-
-/// Adds heat to a scene: all of one temperature, insulated.
-fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
-    let n = state.len();
-    let conductor = Conductor { conductivity: 1.5, section: 0.35 };
-    plan.heat = Some(HeatPlan {
-        time_scale: 2.0,
-        reference_temperature: REFERENCE,
-        materials: vec![Thermal { specific_heat: SPECIFIC_HEAT, expansion }; plan.materials],
-        conductors: vec![conductor; plan.materials * plan.materials],
-        contacts: Path::Bar,
-        exposures: vec![Exposure::default()],
-        walls: vec![None; plan.walls.len()],
-    });
-    state.temperature = vec![REFERENCE; n];
-    state.heat_rate = vec![0.0; n];
-    state.exposure = vec![0; n];
-    state.reference_radius = if plan.expands() { state.radius.clone() } else { Vec::new() };
-}
-
-fn heat_of(plan: &mut Plan) -> &mut HeatPlan {
-    plan.heat.as_mut().expect("the plan has heat")
-}
-
-fn constant(value: f64) -> Course {
-    Course(vec![[0.0, value]])
-}
+use tdem_engine::physics::heat::{Exchange, Path};
+use tdem_engine::{Constraint, Course, Exposure, Fault, Integrator, Plan, Simulation, State, heat_accounts};
 
 fn after(state: &State, plan: &Plan, options: Options, steps: u64) -> State {
     let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
@@ -157,26 +125,6 @@ fn a_block_that_expands_freely_is_free_of_stress() {
     assert!(largest > 0.5 * clamped, "{largest} of {clamped}");
 }
 
-/// A colliding cloud between walls of which two are warm, expanding.
-fn warm_cloud() -> (State, Plan) {
-    let (mut state, mut plan) = scene(Law::GNTM, Integrator::VelocityVerlet, 2.0);
-    heated(&mut state, &mut plan, EXPANSION);
-    let heat = heat_of(&mut plan);
-    heat.time_scale = 3e3;
-    heat.walls[0] = Some(Course(vec![[0.0, 300.0], [10.0, 900.0]]));
-    heat.walls[2] = Some(constant(700.0));
-    let warm = Exchange { flux_area: 2e-5, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
-    let glow = Exchange { flux_area: 0.0, conductance: 1e-3, radiation: 5e-12, resistance: 30.0 };
-    heat.exposures
-        .push(Exposure { temperature: None, exchanges: vec![(warm, constant(-400.0)), (glow, constant(900.0))] });
-    for i in 0..state.len() {
-        state.temperature[i] = 350.0 + 300.0 * random(11, i as u64);
-        state.radius[i] = state.reference_radius[i] * (1.0 + EXPANSION * (state.temperature[i] - REFERENCE));
-        state.exposure[i] = u16::from(i % 5 == 0);
-    }
-    (state, plan)
-}
-
 fn all_options() -> Vec<Options> {
     let lists = [List::Half, List::Full];
     Width::ALL
@@ -189,13 +137,8 @@ fn all_options() -> Vec<Options> {
 
 #[test]
 fn bits_do_not_depend_on_how_heat_is_computed() {
-    let (mut block, mut block_plan) = cracking_block(ELASTIC, Integrator::VelocityVerlet);
-    heated(&mut block, &mut block_plan, EXPANSION);
-    heat_of(&mut block_plan).time_scale = 1e4;
-    for i in 0..block.len() {
-        block.temperature[i] = 300.0 + 200.0 * random(12, i as u64);
-    }
-    for (name, steps, (state, plan)) in [("cloud", 400, warm_cloud()), ("block", 400, (block, block_plan))] {
+    let block = warm_block(ELASTIC, Integrator::VelocityVerlet, EXPANSION);
+    for (name, steps, (state, plan)) in [("cloud", 400, warm_cloud()), ("block", 400, block)] {
         let expected = after(&state, &plan, Options::default(), steps);
         if name == "block" {
             let broken = expected.bonds.iter().filter(|bond| !bond.holds()).count();

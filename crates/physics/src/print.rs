@@ -38,7 +38,9 @@ pub use formulas::{
     ReleasedBySpheres, ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy,
     TouchOfSpheres, TouchOfWall,
 };
-pub use heat::{AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, SurfaceHeat, Warmed};
+pub use heat::{
+    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, SurfaceHeat, Warmed,
+};
 pub use members::{Members, Parameter, Parameters};
 
 use crate::bond::{

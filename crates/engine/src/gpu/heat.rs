@@ -55,7 +55,7 @@ impl<M> Heat<M> {
             (0..if booked { state.len() } else { 0 }).map(of_particle).collect()
         };
         let (mut exposures, mut exchanges) = (Vec::new(), Vec::new());
-        for exposure in plan.heat.iter().flat_map(|heat| &heat.exposures) {
+        for exposure in plan.heat.iter().filter(|_| variant.exposed).flat_map(|heat| &heat.exposures) {
             let [first_piece, end_piece] = course_record(exposure.temperature.as_ref(), pieces);
             let first_exchange = exchanges.len() as u32;
             // Where temperatures are prescribed, the exchanges do nothing.

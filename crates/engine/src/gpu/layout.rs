@@ -451,14 +451,17 @@ kernels! {
         bond_strength: read f64, bond_history: update f64, reaction: write Vector, bond_lost: write f64,
         broken: seldom u32, released: seldom f64, kick_by_half: read Quad, twist_by_half: read Quad,
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius(),
-        thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.alike_links,
+        thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, bond_flow: write f64,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
-        kind: read u32 where |v| !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material(),
+        kind: read u32 where |v| {
+            !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material()
+                || v.heat.is_some() && !v.one_conductor
+        },
         rank: read u32 where |v| v.ledger,
         interactions: read Pair where |v| !v.one_pair,
         constraints: read Constraint where |v| v.asks_constraints(),
@@ -473,8 +476,8 @@ kernels! {
         bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
         bond_number: read u32, reaction: read Vector, bond_lost: read f64, bond_flow: read f64,
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius() && !v.bonds_apart,
-        thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf, links: read LinkOf,
-        exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
+        links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
         heat_in: seldom f64, heat_out: seldom f64,
     }
     /// See `kernels/correct.cl`.
@@ -504,8 +507,8 @@ kernels! {
         bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
         bond_number: read u32, reaction: read Vector, bond_flow: read f64,
         temperature: read f64, next_temperature: write f64, reference_radius: read f64, listed_radius: read f64,
-        thermals: read Thermal, conductors: read ConductorOf, links: read LinkOf,
-        exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        thermals: read Thermal, conductors: read ConductorOf where |v| !v.one_conductor,
+        links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
     }
     /// See `kernels/bond.cl`.
     take_bonds as TakeBonds(128, 4) {
