@@ -248,7 +248,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         pair: only_of_pairs(plan, state, |a, b| plan.interaction(a, b)).map(Pair::from).unwrap_or_default(),
         bond: Beam::default(),
         local_damping: plan.bonds.as_ref().map_or(0.0, |bonds| bonds.local_damping),
-        heat_step: plan.heat_step(),
+        heat_dt: plan.heat_step(),
         heat_time: 0.0,
         heat_middle_time: 0.0,
         next_heat_time: 0.0,

@@ -176,7 +176,7 @@ records! {
         /// Coefficient of local damping.
         local_damping: f64,
         /// The step of the heat, s.
-        heat_step: f64,
+        heat_dt: f64,
         /// Time of the heat at the end of the present step, s.
         heat_time: f64,
         /// Time of the heat in the middle of the next step, s.

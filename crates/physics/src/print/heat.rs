@@ -136,14 +136,14 @@ pub struct Warmed;
 
 impl Formula for Warmed {
     const NAME: &'static str = "warmed";
-    const INPUTS: &'static [&'static str] = &["temperature", "heat_rate", "capacity", "heat_step"];
+    const INPUTS: &'static [&'static str] = &["temperature", "heat_rate", "capacity", "heat_dt"];
     const OUTPUTS: &'static [&'static str] = &["warmer"];
     type Input<R: Real> = (R, R, R, R);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (temperature, heat_rate, capacity, heat_step): Self::Input<R>) -> Self::Output<R> {
-        (warming::warmed(temperature, heat_rate, capacity, heat_step),)
+    fn apply<R: Real>(&self, (temperature, heat_rate, capacity, heat_dt): Self::Input<R>) -> Self::Output<R> {
+        (warming::warmed(temperature, heat_rate, capacity, heat_dt),)
     }
 }
 

@@ -320,7 +320,7 @@ kernel contact
             force[i] = quad(f, heat_rate_of(step, i, &heat, heated));
 #if HEAT && LEDGER
             if (!step.frozen)
-                book_heat(i, heat.foreign * step.heat_step, heat_in, heat_out);
+                book_heat(i, heat.foreign * step.heat_dt, heat_in, heat_out);
 #endif
 #if MOMENTS
             moment[i] = quad(m, 0.0);

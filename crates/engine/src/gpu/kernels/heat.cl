@@ -167,7 +167,7 @@ DEVICE u32 warm(const Step step, const u32 i, const u32 material, const real rat
     const Thermal thermal = heated.thermals[material];
     const real capacity = body->mass * thermal.specific_heat;
     real now;
-    warmed(*temperature, rate, capacity, step.heat_step, &now);
+    warmed(*temperature, rate, capacity, step.heat_dt, &now);
 #if EXPOSED
     const Exposure exposed = heated.exposures[heated.exposure[i]];
     if (exposed.first_piece < exposed.end_piece) {
