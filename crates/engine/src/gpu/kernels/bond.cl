@@ -347,6 +347,10 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
                                               kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
                                               &numbers, &flow);
+#if HEAT
+        // Added before it is known whether the bond holds, so that nothing is kept meanwhile.
+        heat->bonds += flow;
+#endif
         // While a fresh state is prepared nothing breaks.
         if (acting.failure > 0.0 && step.history_dt > 0.0) {
             breaks = 1;
@@ -354,9 +358,6 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         }
         f = plus(f, acting.force);
         m = plus(m, acting.first_moment);
-#if HEAT
-        heat->bonds += flow;
-#endif
 #if LEDGER && BOND_DASHPOTS
         if (my_rank < rank[j]) {
             real loss;
@@ -379,7 +380,8 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
     if (!breaks)
         return;
     // Bonds seldom break. Which ones did is found out by evaluating them once more: kept out of the loop above, this costs
-    // it no registers.
+    // it no registers. What goes through the others is summed anew.
+    heat->bonds = 0.0;
     for (u32 k = 0; k < step.bond_slots; ++k) {
         const u32 entry = bond_other[BOND_SLOT(k, i)];
         if (entry == NOBODY || !(entry & HOLDS))
@@ -392,8 +394,12 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
                                               kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
                                               &numbers, &flow);
-        if (!(acting.failure > 0.0))
+        if (!(acting.failure > 0.0)) {
+#if HEAT
+            heat->bonds += flow;
+#endif
             continue;
+        }
         bond_other[BOND_SLOT(k, i)] = j;
         let_touch(i, j, slice, other);
         if (rank[i] < rank[j]) {

@@ -47,6 +47,13 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
         Touch touch;
         touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + radius, &touch);
         if (touch.overlap > 0.0) {
+#if CONTACTS_BESIDE_BONDS
+            if (!beside_bond(step, i, j, heated.bond_other))
+#endif
+#if HEAT_THROUGH_CONTACTS
+                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch,
+                                                  heat->temperature, heated.temperature[j]);
+#endif
             const Quad v = LOAD(motion, j);
 #if MOMENTS
             const Quad w = LOAD(spin, j);
@@ -85,13 +92,6 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             f = plus(f, response.force);
 #if MOMENTS
             m = plus(m, times(response.moment_per_arm, arm));
-#endif
-#if CONTACTS_BESIDE_BONDS
-            if (!beside_bond(step, i, j, heated.bond_other))
-#endif
-#if HEAT_THROUGH_CONTACTS
-                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch,
-                                                  heat->temperature, heated.temperature[j]);
 #endif
 #if FRICTION
             keep_displacement(displacement, k, i, step.frozen ? kept : response.displacement);
