@@ -21,14 +21,18 @@ fn a_case_may_draw_the_columns_that_are_written() {
     let columns = |entries: Vec<Entry>| entries.iter().flat_map(Entry::columns).collect::<Vec<String>>();
     assert_eq!(columns(Place::History.entries()), tdem_case::HISTORY_COLUMNS);
     assert_eq!(columns(Place::History.with_bonds()), tdem_case::HISTORY_COLUMNS_OF_BONDS);
-    let gauge = |of: Option<&str>, between: Option<[&str; 2]>| tdem_case::schema::Gauge {
+    assert_eq!(columns(Place::History.with_heat()), tdem_case::HISTORY_COLUMNS_OF_HEAT);
+    let gauge = |of: Option<&str>, between: Option<[&str; 2]>, surface: Option<&str>| tdem_case::schema::Gauge {
         name: "NAME".to_owned(),
         of: of.map(str::to_owned),
         between: between.map(|names| names.map(str::to_owned)),
+        surface: surface.map(str::to_owned),
     };
-    let [of, between] = Place::History.of_gauges();
-    assert_eq!(columns(of), gauge(Some("a"), None).columns());
-    assert_eq!(columns(between), gauge(None, Some(["a", "b"])).columns());
+    let [of, warm, between, surface] = Place::History.of_gauges();
+    assert_eq!(columns(of), gauge(Some("a"), None, None).columns(false));
+    assert_eq!(columns(warm), gauge(Some("a"), None, None).columns(true));
+    assert_eq!(columns(between), gauge(None, Some(["a", "b"]), None).columns(true));
+    assert_eq!(columns(surface), gauge(None, None, Some("a")).columns(true));
 }
 
 fn up_to_date(name: &str, text: &str) {
@@ -66,9 +70,17 @@ fn outputs() -> String {
             page += "\nand in runs with bonds\n\n";
             entries(&mut page, &place.with_bonds());
         }
-        for (of, whose) in
-            place.of_gauges().iter().zip(["for each gauge of a group", "for each gauge between two groups"])
-        {
+        if !place.with_heat().is_empty() {
+            page += "\nand in runs with heat\n\n";
+            entries(&mut page, &place.with_heat());
+        }
+        let whose = [
+            "for each gauge of a group",
+            "for each gauge of a group in runs with heat",
+            "for each gauge between two groups",
+            "for each gauge of a surface",
+        ];
+        for (of, whose) in place.of_gauges().iter().zip(whose) {
             if !of.is_empty() {
                 let _ = write!(page, "\nand {whose}, NAME being its name\n\n");
                 entries(&mut page, of);

@@ -5,7 +5,7 @@ mod gauge;
 mod heat;
 mod shape;
 
-pub use gauge::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS};
+pub use gauge::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
 
 use crate::materials::RIGID;
 use crate::problem::Problem;

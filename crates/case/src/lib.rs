@@ -31,7 +31,7 @@ mod tree;
 mod walls;
 
 pub use build::{Built, Memory, NoRuns, RunLoader};
-pub use check::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS};
+pub use check::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
 pub use limits::{StepLimit, StepLimits};
 pub use load::{Loaded, load, parse};
 pub use problem::{Label, Problem, Problems, Severity, Source};

@@ -67,15 +67,17 @@ pub(crate) fn contents(fields: Fields) -> Contents {
 
 /// What is drawn at the end.
 pub(crate) fn curves(case: &Case) -> Vec<Curve> {
-    let axis = |column: &str, factor: f64, title: &Option<String>| Axis {
+    let axis = |column: &str, [factor, offset]: [f64; 2], title: &Option<String>| Axis {
+        offset,
         column: column.to_owned(),
         factor,
         title: title.clone(),
     };
     let curves = case.curve.iter().map(|curve| Curve {
         name: curve.name.clone(),
-        x: axis(&curve.x, curve.x_factor, &curve.x_title),
-        y: axis(&curve.y, curve.y_factor, &curve.y_title),
+        x: axis(&curve.x, [curve.x_factor, curve.x_offset], &curve.x_title),
+        y: axis(&curve.y, [curve.y_factor, curve.y_offset], &curve.y_title),
+        against: curve.against.iter().map(|of| (of.name.clone(), of.values.points())).collect(),
     });
     curves.collect()
 }

@@ -1,4 +1,5 @@
-//! Groups of particles that are watched: the force on them, how far they went, how far apart they are.
+//! Groups of particles that are watched: the force on them, how far they went, how far apart they are, how warm they and
+//! their surfaces are.
 
 use crate::ledger::sum;
 use crate::{Plan, State};
@@ -21,6 +22,26 @@ pub enum Measure {
     Of(Group),
     /// How far two groups move apart.
     Between([Group; 2]),
+    /// Temperature of a surface, and the heat through it.
+    Surface(Surface),
+}
+
+/// A surface that is watched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Ids of its particles, ascending, at least one.
+    pub members: Arc<[u32]>,
+    /// What of each exposure of the plan belongs to it, `(exposures)`; `None` where nothing does.
+    pub parts: Vec<Option<Part>>,
+}
+
+/// What of an exposure belongs to a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Which of the exchanges; none if the particles themselves are held at a temperature.
+    pub exchanges: std::ops::Range<usize>,
+    /// Between centre and surface, K/W.
+    pub resistance: f64,
 }
 
 /// Particles that are watched together.
@@ -42,6 +63,8 @@ pub enum Reading {
         force: [f64; 3],
         /// Mean displacement since the start of the run, m.
         displacement: [f64; 3],
+        /// Mean temperature, K; `None` without heat.
+        temperature: Option<f64>,
     },
     /// Between two groups.
     Between {
@@ -49,6 +72,13 @@ pub enum Reading {
         elongation: f64,
         /// That over their distance at the start.
         strain: f64,
+    },
+    /// Of a surface.
+    Surface {
+        /// Mean temperature of the surface itself, K.
+        temperature: f64,
+        /// Heat that enters through it, W. Where particles are held at its temperature, it is what they conduct away.
+        heat_rate: f64,
     },
 }
 
@@ -60,6 +90,7 @@ impl Gauge {
             Measure::Of(group) => Reading::Of {
                 force: sum(group.members.len(), |k| group.index(state, k).map_or([0.0; 3], |i| state.force[i])),
                 displacement: group.displacement(state, plan).into(),
+                temperature: plan.heat.is_some().then(|| group.temperature(state)),
             },
             Measure::Between([first, second]) => {
                 let line = Vec3::from(second.start) - first.start.into();
@@ -68,19 +99,26 @@ impl Gauge {
                 let elongation = apart.dot(line) / length;
                 Reading::Between { elongation, strain: elongation / length }
             }
+            Measure::Surface(surface) => {
+                let count = surface.members.len();
+                let [temperature, heat_rate] = sum(count, |k| surface.of_member(state, plan, k));
+                Reading::Surface { temperature: temperature / count as f64, heat_rate }
+            }
         }
     }
 
     /// Whether its particles exist in a state.
     pub(crate) fn is_sound(&self, state: &State) -> bool {
-        let sound = |group: &Group| {
-            !group.members.is_empty()
-                && group.members.is_sorted_by(|a, b| a < b)
-                && group.members.iter().all(|&id| state.index_of(id).is_some())
+        let named = |members: &[u32]| {
+            !members.is_empty()
+                && members.is_sorted_by(|a, b| a < b)
+                && members.iter().all(|&id| state.index_of(id).is_some())
         };
+        let sound = |group: &Group| named(&group.members);
         match &self.measure {
             Measure::Of(group) => sound(group),
             Measure::Between(groups) => groups.iter().all(sound),
+            Measure::Surface(surface) => named(&surface.members),
         }
     }
 }
@@ -106,7 +144,33 @@ impl Group {
         total.map(|total| total / count as f64).into()
     }
 
+    /// Mean temperature, K.
+    fn temperature(&self, state: &State) -> f64 {
+        let count = self.members.len();
+        let [total] = sum(count, |k| self.index(state, k).map_or([0.0], |i| [state.temperature[i]]));
+        total / count as f64
+    }
+
     fn displacement(&self, state: &State, plan: &Plan) -> Vec3<f64> {
         self.mean(state, plan) - self.start.into()
+    }
+}
+
+impl Surface {
+    /// Temperature of the surface at one of its particles, K, and the heat that enters there, W.
+    fn of_member(&self, state: &State, plan: &Plan, member: usize) -> [f64; 2] {
+        let found = state.index_of(self.members[member]).zip(plan.heat.as_ref());
+        let Some((i, heat)) = found else { return [0.0; 2] };
+        let (temperature, exposure) = (state.temperature[i], usize::from(state.exposure[i]));
+        let Some(part) = self.parts.get(exposure).and_then(Option::as_ref) else { return [temperature, 0.0] };
+        if part.exchanges.is_empty() {
+            return [temperature, -state.heat_rate[i]];
+        }
+        let now = plan.heat_time(state.step);
+        let exchanges = &heat.exposures[exposure].exchanges[part.exchanges.clone()];
+        let rate = exchanges
+            .iter()
+            .fold(0.0, |sum, (exchange, outside)| sum + exchange.heat_rate(temperature, outside.value(now)));
+        [temperature + rate * part.resistance, rate]
     }
 }

@@ -1,7 +1,7 @@
 //! A state that advances.
 
 use crate::step::Backend;
-use crate::{Capture, Device, Fault, Ledger, Plan, Profile, State};
+use crate::{Capture, Device, Fault, Ledger, Plan, Profile, State, Turns};
 
 /// A state advanced by a back end under a plan.
 pub struct Simulation {
@@ -9,8 +9,8 @@ pub struct Simulation {
     backend: Box<dyn Backend>,
     step: u64,
     particles: usize,
-    /// Mechanical energy at the start of the ledger, J.
-    initial_energy: f64,
+    /// Mechanical energy at the start of the ledger, and heat, J.
+    initial: [f64; 2],
 }
 
 impl std::fmt::Debug for Simulation {
@@ -27,16 +27,17 @@ impl Simulation {
     /// whatever the first search finds.
     pub fn new(state: State, plan: Plan, device: impl Into<Device>) -> Result<Self, Fault> {
         state.validate(&plan)?;
-        let (step, fresh, particles, initial_energy) =
-            (state.step, !state.forces_known, state.len(), state.initial_energy);
+        let (step, fresh, particles) = (state.step, !state.forces_known, state.len());
+        let initial = [state.initial_energy, state.initial_heat];
         let backend = device.into().open(state, &plan)?;
-        let mut simulation = Simulation { plan, backend, step, particles, initial_energy };
+        let mut simulation = Simulation { plan, backend, step, particles, initial };
         if fresh {
             simulation.backend.prepare()?;
             if simulation.plan.ledger {
                 // The ledger starts here: what the springs hold at the start is not created later.
                 let state = simulation.state()?;
-                simulation.initial_energy = Ledger::of(&state, &simulation.plan).mechanical();
+                let plan = &simulation.plan;
+                simulation.initial = [Ledger::of(&state, plan).mechanical(), state.heat(plan)];
             }
         }
         Ok(simulation)
@@ -78,8 +79,8 @@ impl Simulation {
     /// # Errors
     /// [`Fault::Device`] if the device fails.
     pub fn capture(&mut self) -> Result<Capture, Fault> {
-        let (capture, initial_energy) = (self.backend.capture()?, self.initial_energy);
-        Ok(Capture::new(move || Ok(State { initial_energy, ..capture.state()? })))
+        let (capture, [initial_energy, initial_heat]) = (self.backend.capture()?, self.initial);
+        Ok(Capture::new(move || Ok(State { initial_energy, initial_heat, ..capture.state()? })))
     }
     /// The whole state, in the order of persistent ids.
     ///
@@ -112,6 +113,11 @@ impl Simulation {
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.backend.bytes()
+    }
+    /// What heat and motion took so far, where heat advances by itself; `None` where it goes along with the motion.
+    #[must_use]
+    pub fn turns(&self) -> Option<Turns> {
+        self.backend.turns()
     }
     /// How often neighbours were listed so far.
     #[must_use]

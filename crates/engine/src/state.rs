@@ -14,6 +14,8 @@ pub struct State {
     pub forces_known: bool,
     /// Mechanical energy at the start of the ledger, J.
     pub initial_energy: f64,
+    /// Heat at the start of the ledger, over that of all particles at the reference temperature, J; 0 without heat.
+    pub initial_heat: f64,
     /// Persistent ids, `(N)`, strictly ascending.
     pub id: Vec<u32>,
     /// Indices into the plan's materials, `(N)`.
@@ -124,6 +126,31 @@ impl State {
         // As long as nothing was removed, ids are indices.
         let guess = id as usize;
         if self.id.get(guess) == Some(&id) { Some(guess) } else { self.id.binary_search(&id).ok() }
+    }
+
+    /// Bytes of all arrays.
+    pub(crate) fn bytes(&self) -> usize {
+        fn size<T>(field: &[T]) -> usize {
+            size_of_val(field)
+        }
+        [&self.position, &self.velocity, &self.angular_velocity, &self.force, &self.moment, &self.bonded_position]
+            .into_iter()
+            .map(|field| size(field))
+            .chain(
+                [&self.radius, &self.mass, &self.temperature, &self.heat_rate, &self.reference_radius].map(|f| size(f)),
+            )
+            .chain([&self.material, &self.constraint, &self.exposure].map(|field| size(field)))
+            .sum::<usize>()
+            + size(&self.id)
+            + size(&self.image)
+            + size(&self.orientation)
+            + size(&self.derivatives)
+            + size(&self.accounts)
+            + size(&self.heat_accounts)
+            + size(&self.contacts)
+            + size(&self.wall_contacts)
+            + size(&self.bonds)
+            + size(&self.bond_histories)
     }
 
     /// A hash of the whole state, the same wherever the same bits were computed. Signed zeros do not matter.

@@ -13,7 +13,8 @@ use tdem_engine::physics::bond::{self, Cement, Form, Joint, Tension};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
 use tdem_engine::physics::heat::{Conductor, Path};
 use tdem_engine::{
-    BondPlan, Constraint, Course, Device, Driven, Exposure, Fault, Integrator, Plan, Ramp, Simulation, State,
+    BondPlan, Constraint, Course, Device, Driven, Exposure, Fault, Integrator, Motion, Plan, Ramp, Relaxation, Scheme,
+    Simulation, State,
 };
 
 const STEPS: u64 = 600;
@@ -300,6 +301,31 @@ fn same_bits_with_heat_through_contacts_and_on_the_way_between_devices() {
             moved = run(&moved, &plan, device, steps).expect("it goes on");
         }
         assert_same(&moved, &end, &format!("warm cloud, moved, ledger {ledger}"));
+    }
+}
+
+/// Particles come to rest on the device after every step of the heat, in which they grow.
+#[test]
+fn same_bits_where_heat_and_motion_take_turns() {
+    let mut plan = free_space(ELASTIC, JOINT);
+    let mut state = spheres(&lattice([4, 2, 2]), DENSITY);
+    bond_neighbours(&mut state, &plan);
+    heated(&mut state, &mut plan, EXPANSION);
+    plan.bonds.as_mut().expect("the plan has bonds").local_damping = 0.5;
+    plan.dt = 5.0;
+    let heat = heat_of(&mut plan);
+    heat.time_scale = 1.0;
+    let (scheme, dt) = (Scheme::Explicit, 1e-5);
+    heat.motion = Motion::QuasiStatic(Relaxation { scheme, dt, ratio: 1e-2, at_most_steps: 300, check_every: 50 });
+    let course = Course(vec![[0.0, REFERENCE], [20.0, REFERENCE + 200.0]]);
+    heat.exposures.push(Exposure { temperature: Some(course), exchanges: Vec::new() });
+    for i in 0..state.len() {
+        state.exposure[i] = u16::from(state.position[i][0] < 1e-3);
+    }
+    for ledger in [false, true] {
+        plan.ledger = ledger;
+        let end = both(&state, &plan, 3, &format!("turns, ledger {ledger}"));
+        assert!(end.radius.iter().zip(&state.radius).any(|(now, before)| now > before));
     }
 }
 

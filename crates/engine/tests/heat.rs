@@ -2,8 +2,10 @@
 
 mod common;
 
-use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, chain, free_space, lattice};
-use common::heated::{EXPANSION, REFERENCE, SPECIFIC_HEAT, constant, heat_of, heated, warm_block, warm_cloud};
+use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, free_space, lattice};
+use common::heated::{
+    EXPANSION, REFERENCE, SPECIFIC_HEAT, after, constant, heat_of, heated, held_chain, warm_block, warm_cloud,
+};
 use common::{DENSITY, spheres};
 use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::physics::contact::Law;
@@ -11,29 +13,11 @@ use tdem_engine::physics::heat::surface::surface_conductance;
 use tdem_engine::physics::heat::{Exchange, Path};
 use tdem_engine::{Constraint, Course, Exposure, Fault, Integrator, Plan, Simulation, State, heat_accounts};
 
-fn after(state: &State, plan: &Plan, options: Options, steps: u64) -> State {
-    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
-    simulation.advance(steps).expect("the scene runs through");
-    simulation.state().expect("a state can be taken")
-}
-
 /// Heat in all particles, with what is under way into the next step, J.
 fn stored(state: &State, plan: &Plan) -> f64 {
     (0..state.len())
         .map(|i| state.mass[i] * SPECIFIC_HEAT * state.temperature[i] + state.heat_rate[i] * plan.heat_step())
         .sum()
-}
-
-/// A chain that is held in place, and the conductance of its bonds.
-fn held_chain(count: usize) -> (State, Plan, f64) {
-    let mut plan = free_space(ELASTIC, JOINT);
-    plan.constraints.push(CLAMPED);
-    let mut state = chain(count, &plan);
-    state.constraint = vec![1; count];
-    heated(&mut state, &mut plan, 0.0);
-    heat_of(&mut plan).time_scale = 1e5;
-    let conductance = 1.5 * 0.35 * (2.0 * RADIUS) * (2.0 * RADIUS) / (2.0 * RADIUS);
-    (state, plan, conductance)
 }
 
 #[test]

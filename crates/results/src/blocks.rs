@@ -93,5 +93,5 @@ fn field(entry: Entry, values: Values<'_>, precision: Precision) -> Field {
 /// The entry that documents a field.
 pub(crate) fn entry_of(block: &str, field: &str) -> Option<Entry> {
     let place = Place::ALL.into_iter().find(|place| place.name() == block)?;
-    place.entries().into_iter().chain(place.with_bonds()).find(|entry| entry.name == field)
+    place.entries().into_iter().chain(place.with_bonds()).chain(place.with_heat()).find(|entry| entry.name == field)
 }

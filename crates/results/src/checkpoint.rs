@@ -181,6 +181,7 @@ impl<'a> Tensor<'a> {
 struct Apart {
     step: [u64; 1],
     initial_energy: [f64; 1],
+    initial_heat: [f64; 1],
     forces_known: [u8; 1],
     pairs: Vec<[u32; 2]>,
     slips: Vec<[f64; 3]>,
@@ -229,6 +230,7 @@ impl Apart {
         Apart {
             step: [state.step],
             initial_energy: [state.initial_energy],
+            initial_heat: [state.initial_heat],
             forces_known: [state.forces_known.into()],
             pairs: contacts.par_iter().map(|contact| [contact.first, contact.second]).collect(),
             slips: contacts.par_iter().map(|contact| contact.displacement).collect(),
@@ -270,6 +272,7 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
         step: _,
         forces_known: _,
         initial_energy: _,
+        initial_heat: _,
         id,
         material,
         constraint,
@@ -325,6 +328,7 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
     }
     if !temperature.is_empty() {
         tensors.extend([
+            Tensor::new("initial_heat", &apart.initial_heat),
             Tensor::new("temperature", temperature),
             Tensor::new("heat_rate", heat_rate),
             Tensor::new("reference_radius", reference_radius),
@@ -445,6 +449,7 @@ impl Reader<'_> {
             step: self.one("step")?,
             forces_known: self.one::<u8>("forces_known")? != 0,
             initial_energy: self.one("initial_energy")?,
+            initial_heat: self.of_heat("initial_heat")?.first().copied().unwrap_or(0.0),
             id: self.rows("id")?,
             material: self.rows("material")?,
             constraint: self.rows("constraint")?,

@@ -8,7 +8,7 @@ use crate::blocks::{Link, Pair, Scene, WallSum};
 use crate::history::Row;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use tdem_engine::Reading;
+use tdem_engine::{HeatLedger, Reading};
 
 /// A quantity that is written somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,13 +94,22 @@ impl Place {
         }
     }
 
-    /// What each gauge of a group adds, and what each between two groups; NAME stands for its name.
+    /// What else is written there in runs with heat, behind what is written with bonds.
     #[must_use]
-    pub fn of_gauges(self) -> [Vec<Entry>; 2] {
+    pub fn with_heat(self) -> Vec<Entry> {
         match self {
-            Place::History => [HISTORY_OF_GROUPS, HISTORY_BETWEEN_GROUPS]
-                .map(|all| all.iter().map(|quantity| quantity.entry).collect()),
-            _ => [Vec::new(), Vec::new()],
+            Place::Particles => PARTICLES_WITH_HEAT.iter().map(|quantity| quantity.entry).collect(),
+            Place::History => HISTORY_WITH_HEAT.iter().map(|quantity| quantity.entry).collect(),
+            Place::Contacts | Place::Walls | Place::Bonds | Place::Cracks => Vec::new(),
+        }
+    }
+
+    /// What gauges add, for each [`GaugeKind`] in order; NAME stands for the name of the gauge.
+    #[must_use]
+    pub fn of_gauges(self) -> [Vec<Entry>; 4] {
+        match self {
+            Place::History => GaugeKind::ALL.map(|kind| kind.quantities().map(|quantity| quantity.entry).collect()),
+            _ => [const { Vec::new() }; 4],
         }
     }
 }
@@ -121,7 +130,10 @@ pub fn markdown() -> String {
     let mut text = String::from("| where | name | unit | components | meaning |\n|---|---|---|---|---|\n");
     for place in Place::ALL {
         let of_gauges = place.of_gauges().concat();
-        for entry in place.entries().into_iter().chain(place.with_bonds()).chain(of_gauges) {
+        // What a gauge of a group adds stands there once more with heat.
+        let mut told = std::collections::BTreeSet::new();
+        let all = place.entries().into_iter().chain(place.with_bonds()).chain(place.with_heat()).chain(of_gauges);
+        for entry in all.filter(|entry| told.insert(entry.name)) {
             let Entry { name, unit, description, components, .. } = entry;
             let line = [place.name(), &format!("`{name}`"), unit, &components.to_string(), description].join(" | ");
             text.extend(["| ", &line, " |\n"]);
@@ -223,6 +235,11 @@ pub(crate) static PARTICLES_WITH_BONDS: &[Quantity<OfParticles>] = &[
     real("damage", "1", "share of the particle's bonds that broke; 0 for a particle without any", |s| {
         owned(s.damage())
     }),
+];
+
+pub(crate) static PARTICLES_WITH_HEAT: &[Quantity<OfParticles>] = &[
+    real("temperature", "K", "temperature", |s| borrowed(&s.state.temperature)),
+    real("heat_rate", "W", "heat that it receives from others and through surfaces", |s| borrowed(&s.state.heat_rate)),
 ];
 
 pub(crate) static CONTACTS: &[Quantity<OfPairs>] = &[
@@ -340,6 +357,32 @@ pub(crate) static HISTORY_WITH_BONDS: &[Quantity<OfRow>] = &[
     id("broken_bonds", "number of bonds that broke", |r| count(r.ledger.broken_bonds)),
 ];
 
+pub(crate) static HISTORY_WITH_HEAT: &[Quantity<OfRow>] = &[
+    real("heat_time", "s", "time of the heat", |r| one(heat(r).time)),
+    real("heat_stored", "J", "heat of all particles, less that at the start", |r| one(heat(r).stored)),
+    real("heat_in", "J", "heat that came in since the start", |r| one(heat(r).came_in)),
+    real("heat_out", "J", "heat that went out since the start", |r| one(heat(r).went_out)),
+    real("heat_error", "J", "what the ledger does not explain: stored - in + out", |r| one(heat(r).error)),
+    real("lowest_temperature", "K", "lowest temperature of a particle", |r| one(heat(r).lowest)),
+    real("mean_temperature", "K", "mean temperature of all particles", |r| one(heat(r).mean)),
+    real("highest_temperature", "K", "highest temperature of a particle", |r| one(heat(r).highest)),
+];
+
+/// Not a number where there is no heat.
+fn heat(row: &Row) -> HeatLedger {
+    const NOTHING: HeatLedger = HeatLedger {
+        time: f64::NAN,
+        stored: f64::NAN,
+        came_in: f64::NAN,
+        went_out: f64::NAN,
+        error: f64::NAN,
+        lowest: f64::NAN,
+        mean: f64::NAN,
+        highest: f64::NAN,
+    };
+    row.ledger.heat.unwrap_or(NOTHING)
+}
+
 /// NAME stands for the name of the gauge.
 pub(crate) static HISTORY_OF_GROUPS: &[Quantity<OfReading>] = &[
     vector(
@@ -364,25 +407,80 @@ pub(crate) static HISTORY_BETWEEN_GROUPS: &[Quantity<OfReading>] = &[
     real("NAME_strain", "1", "the elongation over the distance at the start", |r| one(between_groups(r)[1])),
 ];
 
+pub(crate) static HISTORY_OF_WARM_GROUPS: &[Quantity<OfReading>] =
+    &[real("NAME_temperature", "K", "mean temperature of the particles of the group", |r| one(warmth(r)[0]))];
+
+pub(crate) static HISTORY_OF_SURFACES: &[Quantity<OfReading>] = &[
+    real("NAME_temperature", "K", "mean temperature of the surface itself", |r| one(warmth(r)[0])),
+    real(
+        "NAME_heat_rate",
+        "W",
+        "heat that enters through the surface; where particles are held at its temperature, what they conduct away",
+        |r| one(warmth(r)[1]),
+    ),
+];
+
+/// What gauges may watch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GaugeKind {
+    /// A group of particles, without heat.
+    Group,
+    /// The same with heat.
+    WarmGroup,
+    /// Two groups.
+    Between,
+    /// A surface.
+    Surface,
+}
+
+impl GaugeKind {
+    /// All kinds.
+    pub const ALL: [GaugeKind; 4] = [GaugeKind::Group, GaugeKind::WarmGroup, GaugeKind::Between, GaugeKind::Surface];
+
+    fn of(reading: &Reading) -> Self {
+        match reading {
+            Reading::Of { temperature: None, .. } => GaugeKind::Group,
+            Reading::Of { temperature: Some(_), .. } => GaugeKind::WarmGroup,
+            Reading::Between { .. } => GaugeKind::Between,
+            Reading::Surface { .. } => GaugeKind::Surface,
+        }
+    }
+
+    fn quantities(self) -> impl Iterator<Item = &'static Quantity<OfReading>> {
+        let (first, more): (&[_], &[_]) = match self {
+            GaugeKind::Group => (HISTORY_OF_GROUPS, &[]),
+            GaugeKind::WarmGroup => (HISTORY_OF_GROUPS, HISTORY_OF_WARM_GROUPS),
+            GaugeKind::Between => (HISTORY_BETWEEN_GROUPS, &[]),
+            GaugeKind::Surface => (HISTORY_OF_SURFACES, &[]),
+        };
+        first.iter().chain(more)
+    }
+}
+
 /// What a gauge writes.
-pub(crate) fn of_gauge(reading: &Reading) -> &'static [Quantity<OfReading>] {
+pub(crate) fn of_gauge(reading: &Reading) -> impl Iterator<Item = &'static Quantity<OfReading>> {
+    GaugeKind::of(reading).quantities()
+}
+
+fn warmth(reading: &Reading) -> [f64; 2] {
     match reading {
-        Reading::Of { .. } => HISTORY_OF_GROUPS,
-        Reading::Between { .. } => HISTORY_BETWEEN_GROUPS,
+        Reading::Of { temperature, .. } => [temperature.unwrap_or(f64::NAN), f64::NAN],
+        Reading::Surface { temperature, heat_rate } => [*temperature, *heat_rate],
+        Reading::Between { .. } => [f64::NAN; 2],
     }
 }
 
 fn of_group(reading: &Reading) -> [[f64; 3]; 2] {
     match reading {
-        Reading::Of { force, displacement } => [*force, *displacement],
-        Reading::Between { .. } => [[f64::NAN; 3]; 2],
+        Reading::Of { force, displacement, .. } => [*force, *displacement],
+        Reading::Between { .. } | Reading::Surface { .. } => [[f64::NAN; 3]; 2],
     }
 }
 
 fn between_groups(reading: &Reading) -> [f64; 2] {
     match reading {
         Reading::Between { elongation, strain } => [*elongation, *strain],
-        Reading::Of { .. } => [f64::NAN; 2],
+        Reading::Of { .. } | Reading::Surface { .. } => [f64::NAN; 2],
     }
 }
 
@@ -391,7 +489,7 @@ fn between_groups(reading: &Reading) -> [f64; 2] {
 pub fn unit_of_column(column: &str) -> Option<&'static str> {
     let is_it = |entry: &Entry| entry.columns().any(|name| name == column);
     let of_gauge = |entry: &Entry| entry.columns().any(|name| column.ends_with(name.trim_start_matches("NAME")));
-    let all = [Place::History.entries(), Place::History.with_bonds()].concat();
+    let all = [Place::History.entries(), Place::History.with_bonds(), Place::History.with_heat()].concat();
     let gauges = Place::History.of_gauges().concat();
     all.iter()
         .find(|entry| is_it(entry))
@@ -407,7 +505,8 @@ mod tests {
     #[test]
     fn every_quantity_is_documented_once_per_place() {
         for place in Place::ALL {
-            let entries = [place.entries(), place.with_bonds(), place.of_gauges().concat()].concat();
+            let [of, _, between, _] = place.of_gauges();
+            let entries = [place.entries(), place.with_bonds(), place.with_heat(), of, between].concat();
             let names: BTreeSet<_> = entries.iter().map(|entry| entry.name).collect();
             assert_eq!(names.len(), entries.len(), "a name is used twice in {}", place.name());
             for Entry { name, unit, description, components, .. } in entries {

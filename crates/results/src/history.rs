@@ -2,7 +2,7 @@
 
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;
-use crate::glossary::{HISTORY, HISTORY_WITH_BONDS, Place, Values, of_gauge};
+use crate::glossary::{HISTORY, HISTORY_WITH_BONDS, HISTORY_WITH_HEAT, Place, Values, of_gauge};
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -34,14 +34,17 @@ impl Row {
         self.ledger.bonds + self.ledger.broken_bonds > 0
     }
 
-    /// The first line of a history that has such rows: what every run has, what runs with bonds have, gauges.
+    /// The first line of a history that has such rows: what every run has, what runs with bonds and with heat have, gauges.
     fn header(&self) -> String {
         let mut columns = columns_of_all();
         if self.has_bonds() {
             columns.extend(Place::History.with_bonds().iter().flat_map(crate::glossary::Entry::columns));
         }
+        if self.ledger.heat.is_some() {
+            columns.extend(Place::History.with_heat().iter().flat_map(crate::glossary::Entry::columns));
+        }
         for (name, reading) in &self.gauges {
-            let columns_of_gauge = of_gauge(reading).iter().flat_map(|quantity| quantity.entry.columns());
+            let columns_of_gauge = of_gauge(reading).flat_map(|quantity| quantity.entry.columns());
             columns.extend(columns_of_gauge.map(|column| column.replacen("NAME", name, 1)));
         }
         columns.join(",") + "\n"
@@ -56,7 +59,8 @@ impl Row {
             Values::Real(values) => cells.extend(values.iter().map(|value| format!("{value:e}"))),
             Values::Integer(values) => cells.extend(values.iter().map(ToString::to_string)),
         };
-        HISTORY.iter().chain(of_bonds).for_each(|quantity| add((quantity.values)(self)));
+        let of_heat = if self.ledger.heat.is_some() { HISTORY_WITH_HEAT } else { &[] };
+        HISTORY.iter().chain(of_bonds).chain(of_heat).for_each(|quantity| add((quantity.values)(self)));
         for (_, reading) in &self.gauges {
             for quantity in of_gauge(reading) {
                 add((quantity.values)(reading));
@@ -184,6 +188,7 @@ mod tests {
             largest_speed: 1.0,
             largest_overlap: 0.0,
             unbalanced_force_ratio: 0.0,
+            heat: None,
             wall_force: [1.0, 2.0, 3.0],
         };
         Row { step, time: step as f64 * 1e-6, ledger, gauges: Vec::new() }
@@ -252,7 +257,7 @@ mod tests {
     fn gauges_have_columns_behind_all_others() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("history.csv");
-        let grip = Reading::Of { force: [1.0, -2.0, 0.5], displacement: [0.0, 0.1 + 0.2, 0.0] };
+        let grip = Reading::Of { force: [1.0, -2.0, 0.5], displacement: [0.0, 0.1 + 0.2, 0.0], temperature: None };
         let gauges =
             vec![("grip".to_owned(), grip), ("core".to_owned(), Reading::Between { elongation: 1e-6, strain: 1e-5 })];
         let mut history = History::create(&path).unwrap();

@@ -2,12 +2,14 @@
 //!
 //! * [`mod@bench`] how fast is it, as data
 //! * [`mod@calibrate`] which bonds give a packing the values of a solid
+//! * [`slab`] how warm a slab becomes that is heated from one side, exactly
 //! * [`statics`] where bonded particles come to rest under loads, without time
 //! * [`uniaxial`] how stiff and how strong a bonded assembly is between two grips
 //! * [`verify`] does the engine compute what it should? Comparison with closed forms and published values
 
 pub mod bench;
 pub mod calibrate;
+pub mod slab;
 pub mod statics;
 pub mod uniaxial;
 pub mod verify;

@@ -32,6 +32,7 @@ mod spring;
 mod stability;
 mod statics;
 mod strength;
+mod thermal;
 
 pub use format::{markdown, table};
 
@@ -229,6 +230,7 @@ pub fn catalogue() -> Vec<Case> {
         statics::CASES,
         prism::CASES,
         strength::CASES,
+        thermal::CASES,
     ]
     .concat()
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{Form, Tension};
+use tdem_engine::physics::heat::Path;
 use tdem_engine::{BondPlan, Integrator, Plan};
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
@@ -175,6 +176,95 @@ fn a_wrong_bond_is_caught() {
     let bonded =
         cases.iter().filter(|case| ["bond", "chain", "block", "statics", "prism", "strength"].contains(&case.group()));
     for case in bonded.filter(|case| case.tier == Tier::Quick) {
+        assert!(wrong.iter().any(|(name, _)| *name == case.name), "{} is not shown to fail", case.name);
+    }
+}
+
+/// Numbers of the heat changed by a function.
+macro_rules! wrong_heat {
+    (|$heat:ident| $change:expr) => {
+        |plan: &mut Plan| {
+            if let Some($heat) = &mut plan.heat {
+                $change
+            }
+        }
+    };
+}
+
+#[test]
+fn wrong_heat_is_caught() {
+    type Wrong = (&'static str, fn(&mut Plan));
+    let conducts: fn(&mut Plan) = wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.conductivity *= 1.01));
+    let grows: fn(&mut Plan) = wrong_heat!(|heat| heat.materials.iter_mut().for_each(|m| m.expansion *= 1.01));
+    let stores: fn(&mut Plan) = wrong_heat!(|heat| heat.materials.iter_mut().for_each(|m| m.specific_heat *= 1.01));
+    let exchanges: fn(&mut Plan) = wrong_heat!(|heat| {
+        for (exchange, _) in heat.exposures.iter_mut().flat_map(|exposure| &mut exposure.exchanges) {
+            exchange.conductance *= 1.01;
+            exchange.radiation *= 1.01;
+        }
+    });
+    let deeper: fn(&mut Plan) = wrong_heat!(|heat| {
+        let exchanges = heat.exposures.iter_mut().flat_map(|exposure| &mut exposure.exchanges);
+        exchanges.for_each(|(exchange, _)| exchange.conductance *= 1.5);
+    });
+    let flows_in: fn(&mut Plan) = wrong_heat!(|heat| {
+        let exchanges = heat.exposures.iter_mut().flat_map(|exposure| &mut exposure.exchanges);
+        exchanges.for_each(|(exchange, _)| exchange.flux_area *= 1.01);
+    });
+    let softer: fn(&mut Plan) = wrong_bond!(|joint| joint.stiffness_per_area *= 0.99);
+    let wrong: [Wrong; 40] = [
+        ("thermal/two-particles", conducts),
+        ("thermal/two-particles", stores),
+        ("thermal/chain-steady", conducts),
+        ("thermal/chain-transient", conducts),
+        ("thermal/chain-transient", stores),
+        ("thermal/lattice-conductivity", conducts),
+        (
+            "thermal/lattice-conductivity",
+            wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.section *= 1.01)),
+        ),
+        ("thermal/unlike", conducts),
+        ("thermal/unlike", wrong_heat!(|heat| heat.conductors[1].conductivity *= 1.01)),
+        ("thermal/broken-bond", conducts),
+        ("thermal/broken-bond", wrong_bond!(|joint| joint.cement.tensile_strength = f64::INFINITY)),
+        ("thermal/broken-bond", wrong_heat!(|heat| heat.contacts = Path::Closed)),
+        ("thermal/contact-circle", conducts),
+        ("thermal/contact-circle", wrong_heat!(|heat| heat.contacts = Path::Bar)),
+        ("thermal/lumped-cooling", exchanges),
+        ("thermal/lumped-cooling", flows_in),
+        ("thermal/lumped-cooling", stores),
+        ("thermal/radiation", exchanges),
+        ("thermal/radiation", stores),
+        ("thermal/semi-infinite", conducts),
+        // The surface a third of a layer above the first layer instead of half of one.
+        ("thermal/semi-infinite", deeper),
+        ("thermal/slab", conducts),
+        ("thermal/slab", exchanges),
+        ("thermal/slab", stores),
+        ("thermal/free-expansion", grows),
+        ("thermal/constrained", grows),
+        ("thermal/constrained", softer),
+        ("thermal/uniaxially-constrained", grows),
+        ("thermal/uniaxially-constrained", softer),
+        ("thermal/mismatch-series", grows),
+        ("thermal/mismatch-series", softer),
+        ("thermal/mismatch-parallel", grows),
+        ("thermal/mismatch-parallel", wrong_heat!(|heat| heat.materials[1].expansion *= 1.01)),
+        ("thermal/restrained-plate", grows),
+        ("thermal/free-plate", grows),
+        ("thermal/free-plate", softer),
+        ("thermal/time-scale", wrong_heat!(|heat| heat.materials.iter_mut().for_each(|m| m.expansion *= 1.02))),
+        ("thermal/time-scale", wrong_bond!(|joint| joint.stiffness_per_area *= 0.98)),
+        ("thermal/balance", stores),
+        ("thermal/balance", |plan| plan.ledger = false),
+    ];
+    let cases = catalogue();
+    for (name, alter) in wrong {
+        let case = cases.iter().find(|case| case.name == name).unwrap();
+        let outcome = run_altered(case, Backend::CpuLanes, alter);
+        assert!(!outcome.passed(), "{name} passes with wrong heat:\n{}", table(&[outcome]));
+    }
+    for case in cases.iter().filter(|case| case.group() == "thermal" && case.tier == Tier::Quick) {
         assert!(wrong.iter().any(|(name, _)| *name == case.name), "{} is not shown to fail", case.name);
     }
 }

@@ -188,7 +188,7 @@ impl Draft {
                 id: order.iter().map(|&k| state.id[k]).collect(),
                 material: order.iter().map(|&k| state.material[k]).collect(),
                 temperature: order.iter().map(|&k| state.temperature[k]).collect(),
-                exposure: order.iter().map(|&k| state.exposure[k]).collect(),
+                exposure: order.iter().filter_map(|&k| state.exposure.get(k).copied()).collect(),
                 constraint: order.iter().map(|&k| state.constraint[k]).collect(),
                 radius: order.iter().map(|&k| state.radius[k]).collect(),
                 mass: order.iter().map(|&k| state.mass[k]).collect(),
@@ -220,7 +220,10 @@ impl Draft {
 
 /// What belongs to heat. Radii are those of the reference temperature until here.
 fn heat(state: &mut State, plan: &Plan) {
-    let Some(heat) = &plan.heat else { return };
+    let Some(heat) = &plan.heat else {
+        state.temperature.clear();
+        return;
+    };
     state.heat_rate = vec![0.0; state.len()];
     if plan.ledger {
         state.heat_accounts = vec![[0.0; 2]; state.len()];

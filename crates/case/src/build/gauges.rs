@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::draft::Draft;
+use super::heat::Surfaces;
 use crate::problem::Problem;
 use crate::schema::{self, Case};
 use std::collections::BTreeMap;
@@ -31,6 +32,7 @@ pub(super) fn members<'c>(case: &'c Case, draft: &Draft, zones: &[Vec<u32>]) -> 
 pub(super) fn gauges(
     context: &Context<'_>,
     watched: &Watched<'_>,
+    surfaces: &Surfaces,
     state: &State,
     plan: &Plan,
 ) -> (Vec<Gauge>, Vec<Problem>) {
@@ -56,6 +58,8 @@ pub(super) fn gauges(
             Measure::Between(groups)
         } else if let Some(of) = &gauge.of {
             Measure::Of(group(of))
+        } else if let Some(surface) = gauge.surface.as_ref().and_then(|name| surfaces.get(name)) {
+            Measure::Surface(surface.clone())
         } else {
             continue;
         };

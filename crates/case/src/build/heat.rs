@@ -5,6 +5,7 @@ pub(super) mod quasi_static;
 mod surface;
 
 pub(crate) use conductance::Warming;
+pub(super) use surface::Surfaces;
 
 use super::Context;
 use super::draft::Draft;
@@ -13,7 +14,7 @@ use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
 use tdem_engine::physics::heat::conduction::pair_conductivity;
 use tdem_engine::physics::heat::{Conductor, Path};
-use tdem_engine::{Course, HeatPlan, Thermal};
+use tdem_engine::{Course, HeatPlan, Motion, Thermal};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
 pub(super) fn of(
@@ -21,7 +22,7 @@ pub(super) fn of(
     draft: &mut Draft,
     zones: &[Vec<u32>],
     problems: &mut Vec<Problem>,
-) -> Option<HeatPlan> {
+) -> Option<(HeatPlan, Surfaces)> {
     let case = &context.loaded.case;
     let heat = case.heat.as_ref()?;
     let zero = heat.scale.zero();
@@ -34,7 +35,7 @@ pub(super) fn of(
             if known > 0.0 && case.particles[usize::from(group)].temperature.is_none() { known } else { initial(group) }
         })
         .collect();
-    let exposures = surface::expose(context, heat, draft, zones, problems);
+    let (exposures, surfaces) = surface::expose(context, heat, draft, zones, problems);
     let materials = context.materials.len();
     let conductivity = |k: usize| context.materials.thermal[k].conductivity;
     let section = FRAC_PI_4 * (heat.bar_radius() * heat.bar_radius());
@@ -42,7 +43,7 @@ pub(super) fn of(
         conductivity: pair_conductivity(conductivity(k / materials), conductivity(k % materials)),
         section,
     };
-    Some(HeatPlan {
+    let plan = HeatPlan {
         time_scale: heat.time_scale(case),
         reference_temperature: heat.reference_temperature.unwrap_or(heat.initial_temperature) + zero,
         materials: context.materials.thermal.iter().map(|of| of.thermal).collect(),
@@ -54,7 +55,9 @@ pub(super) fn of(
         },
         exposures,
         walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
-    })
+        motion: Motion::Stepped,
+    };
+    Some((plan, surfaces))
 }
 
 /// A course of the engine; `zero` is added to its values.

@@ -146,7 +146,7 @@ impl Loaded {
         problems.extend(contradictions);
         problems.extend(motion.symmetry(&context, &mut draft));
         let (constraints, ramps) = motion.finish(&mut draft);
-        let heat = heat::of(&context, &mut draft, &zones, &mut problems);
+        let (heat, surfaces) = heat::of(&context, &mut draft, &zones, &mut problems).unzip();
         let found = Found::of(&context, &draft.state, &draft.group, &constraints, &ramps);
         let meeting = context.materials.meeting(&found.counts, &context.wall_materials());
         problems.extend(context.materials.missing(case, &self.tree, &meeting));
@@ -173,7 +173,7 @@ impl Loaded {
         plan.heat = heat;
         let watched = gauges::members(case, &draft, &zones);
         let state = draft.finish(&context, &plan, bonds);
-        let (gauges, coincident) = gauges::gauges(&context, &watched, &state, &plan);
+        let (gauges, coincident) = gauges::gauges(&context, &watched, &surfaces.unwrap_or_default(), &state, &plan);
         plan.gauges = gauges;
         problems.extend(coincident);
         problems.extend(heat::quasi_static::check(&context, &plan, &state));

@@ -34,16 +34,34 @@ pub const HISTORY_COLUMNS: [&str; 20] = [
 /// Columns that it has in runs with bonds, besides.
 pub const HISTORY_COLUMNS_OF_BONDS: [&str; 4] = ["elastic_bonds", "breakage_dissipated", "bonds", "broken_bonds"];
 
+/// Columns that it has in runs with heat, besides.
+pub const HISTORY_COLUMNS_OF_HEAT: [&str; 8] = [
+    "heat_time",
+    "heat_stored",
+    "heat_in",
+    "heat_out",
+    "heat_error",
+    "lowest_temperature",
+    "mean_temperature",
+    "highest_temperature",
+];
+
 /// Columns of a gauge, behind its name.
 const OF: [&str; 6] = ["force_x", "force_y", "force_z", "displacement_x", "displacement_y", "displacement_z"];
+const WARM: [&str; 1] = ["temperature"];
+const SURFACE: [&str; 2] = ["temperature", "heat_rate"];
 const BETWEEN: [&str; 2] = ["elongation", "strain"];
 
 impl Gauge {
-    /// Its columns in `history.csv`.
+    /// Its columns in `history.csv`, of a run with heat or without.
     #[must_use]
-    pub fn columns(&self) -> Vec<String> {
-        let endings: &[&str] = if self.between.is_some() { &BETWEEN } else { &OF };
-        endings.iter().map(|ending| format!("{}_{ending}", self.name)).collect()
+    pub fn columns(&self, heat: bool) -> Vec<String> {
+        let (endings, more): (&[&str], &[&str]) = match (&self.between, &self.surface) {
+            (Some(_), _) => (&BETWEEN, &[]),
+            (None, Some(_)) => (&SURFACE, &[]),
+            (None, None) => (&OF, if heat { &WARM } else { &[] }),
+        };
+        endings.iter().chain(more).map(|ending| format!("{}_{ending}", self.name)).collect()
     }
     /// The names of what it watches.
     pub(crate) fn watched(&self) -> impl Iterator<Item = &str> {
@@ -60,7 +78,7 @@ impl Checker<'_> {
     }
 
     pub(super) fn gauges(&mut self) {
-        let known = HISTORY_COLUMNS.iter().chain(&HISTORY_COLUMNS_OF_BONDS);
+        let known = HISTORY_COLUMNS.iter().chain(&HISTORY_COLUMNS_OF_BONDS).chain(&HISTORY_COLUMNS_OF_HEAT);
         let mut columns: BTreeMap<String, Option<Range<usize>>> =
             known.map(|column| ((*column).to_owned(), None)).collect();
         for (k, gauge) in self.case.gauge.iter().enumerate() {
@@ -68,7 +86,7 @@ impl Checker<'_> {
             let place = self.place(&["gauge", &index, "name"]);
             self.file_name(&gauge.name, place.clone());
             self.watches(gauge, &index);
-            for column in gauge.columns() {
+            for column in gauge.columns(self.case.heat.is_some()) {
                 if let Some(first) = columns.insert(column.clone(), Some(place.clone())) {
                     let problem = Problem::error(
                         "tdem::case::duplicate-name",
@@ -97,18 +115,26 @@ impl Checker<'_> {
     }
 
     fn watches(&mut self, gauge: &Gauge, index: &str) {
+        let given =
+            [("of", gauge.of.is_some()), ("between", gauge.between.is_some()), ("surface", gauge.surface.is_some())];
+        let given: Vec<&str> = given.into_iter().filter_map(|(key, there)| there.then_some(key)).collect();
+        if let [one, other, ..] = given.as_slice() {
+            return self.exclusive(&["gauge", index], one, other);
+        }
+        if let Some(name) = &gauge.surface {
+            return self.watched_surface(name, &["gauge", index, "surface"]);
+        }
         match (&gauge.of, &gauge.between) {
-            (Some(_), Some(_)) => self.exclusive(&["gauge", index], "of", "between"),
             (None, None) => {
                 let place = self.place(&["gauge", index]);
                 self.push(
                     Problem::error("tdem::case::missing-key", format!("nothing says what `{}` watches", gauge.name))
-                        .at(place, "`of` or `between` belongs here")
+                        .at(place, "`of`, `between` or `surface` belongs here")
                         .help("add of = \"...\", the name of a group of particles or of a zone"),
                 );
             }
             (Some(name), None) => self.watched(name, &["gauge", index, "of"]),
-            (None, Some(names)) => {
+            (_, Some(names)) => {
                 for (n, name) in names.iter().enumerate() {
                     self.watched(name, &["gauge", index, "between", &n.to_string()]);
                 }
@@ -120,6 +146,26 @@ impl Checker<'_> {
                     );
                 }
             }
+        }
+    }
+
+    /// A name that one surface must have.
+    fn watched_surface(&mut self, name: &str, path: &[&str]) {
+        let names: Vec<&str> =
+            self.case.surface.iter().map(|surface| surface.name.as_str()).filter(|name| !name.is_empty()).collect();
+        let place = self.place(path);
+        match names.iter().filter(|known| **known == name).count() {
+            0 => {
+                let message = format!("no surface is called `{name}`");
+                let help = suggestion(name, &names);
+                self.push(Problem::error("tdem::case::unknown-surface", message).at(place, "not defined").help(help));
+            }
+            1 => {}
+            _ => self.push(
+                Problem::error("tdem::case::duplicate-name", format!("several surfaces are called `{name}`"))
+                    .at(place, "which of them?")
+                    .help("give each its own name"),
+            ),
         }
     }
 
@@ -162,10 +208,12 @@ impl Checker<'_> {
 
     fn curves(&mut self, columns: &[String]) {
         let bonds = self.case.model.bonds();
+        let heat = self.case.heat.is_some();
         let columns: Vec<&str> = columns
             .iter()
             .map(String::as_str)
             .filter(|column| bonds || !HISTORY_COLUMNS_OF_BONDS.contains(column))
+            .filter(|column| heat || !HISTORY_COLUMNS_OF_HEAT.contains(column))
             .collect();
         let mut names: BTreeMap<&str, Range<usize>> = BTreeMap::new();
         for (k, curve) in self.case.curve.iter().enumerate() {

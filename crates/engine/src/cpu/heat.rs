@@ -8,7 +8,7 @@ use super::bonds::Bonds;
 use super::pieces::split;
 use super::predict::optional;
 use super::{CHUNK, Cpu};
-use crate::heat_accounts::{IN, OUT};
+use crate::heat::book;
 use crate::{Exposure, Fault, HeatPlan, Plan};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
@@ -51,7 +51,7 @@ impl Growth {
 impl Cpu {
     /// Temperatures and radii of the end of the step.
     pub(super) fn warm_all(&mut self) -> Result<Growth, Fault> {
-        let Some(heat) = &self.plan.heat else { return Ok(Growth::default()) };
+        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return Ok(Growth::default()) };
         let (step, time) = (self.plan.heat_step(), self.plan.heat_time(self.step));
         let prescribed: Vec<Option<f64>> = heat.exposures.iter().map(|e| value_of(e, time)).collect();
         let bodies = &mut self.bodies;
@@ -108,7 +108,7 @@ impl Cpu {
 
     /// Heat rates of all particles at their present temperatures.
     pub(super) fn conduct_all(&mut self) {
-        let Some(heat) = &self.plan.heat else { return };
+        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return };
         let mut flows = std::mem::take(&mut self.flows);
         let n = self.bodies.len();
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
@@ -195,15 +195,6 @@ fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
         None => exposure.exchanges.iter().map(|(_, course)| course.value(middle)).collect(),
     };
     heat.exposures.iter().map(of_exposure).collect()
-}
-
-/// Books heat that came in, or left if it is negative, J.
-fn book(account: &mut [f64; 2], heat: f64) {
-    if heat > 0.0 {
-        account[IN] += heat;
-    } else {
-        account[OUT] -= heat;
-    }
 }
 
 /// What the conduction of heat looks at.

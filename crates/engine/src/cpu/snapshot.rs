@@ -36,6 +36,7 @@ impl Cpu {
             step: self.step,
             forces_known: true,
             initial_energy: 0.0,
+            initial_heat: 0.0,
             id: self.ids.clone(),
             material: sorted(by_rank, &bodies.material, |&material| material),
             constraint: sorted(by_rank, &bodies.constraint, |&constraint| constraint),

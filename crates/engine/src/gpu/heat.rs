@@ -117,7 +117,7 @@ impl<M> Heat<M> {
 pub(super) fn bytes_each(plan: &Plan) -> [usize; 2] {
     let Some(heat) = &plan.heat else { return [0; 2] };
     let (word, real) = (size_of::<u32>(), size_of::<f64>());
-    let exposure = if heat.exposures.len() > 1 { word } else { 0 };
+    let exposure = if heat.exposes() { word } else { 0 };
     let radii = if heat.expands() { 2 * real } else { 0 };
     let accounts = if plan.ledger { 2 * real } else { 0 };
     [2 * real + exposure + radii + accounts, real]

@@ -2,7 +2,7 @@
 
 use super::layout;
 use crate::bond::only_bond;
-use crate::{BondPlan, Integrator, Plan, State};
+use crate::{BondPlan, HeatPlan, Integrator, Plan, State};
 use std::fmt::Write;
 use tdem_physics::contact::Friction;
 use tdem_physics::heat::{Link, Path};
@@ -113,7 +113,7 @@ impl Variant {
             local_damping: plan.bonds.as_ref().is_some_and(|bonds| bonds.local_damping > 0.0),
             heat: heat.map(|heat| heat.contacts),
             expands,
-            exposed: heat.is_some_and(|heat| heat.exposures.len() > 1),
+            exposed: heat.is_some_and(HeatPlan::exposes),
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
             alike_links: alike_links.is_some(),
             one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),

@@ -110,6 +110,7 @@ impl<R: Runtime> Snapshot<R> {
             step: self.step,
             forces_known: true,
             initial_energy: 0.0,
+            initial_heat: 0.0,
             material: gather(&at, |i| kind[i] as u16),
             constraint: gather(&at, |i| (kind[i] >> 16) as u16),
             radius: gather(&at, |i| place[i].scalar()),

@@ -1,11 +1,12 @@
-//! Heat added to scenes.
+//! Scenes with heat.
 
-use super::bonded::cracking_block;
+use super::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, chain, cracking_block, free_space};
 use super::{random, scene};
+use tdem_engine::cpu::Options;
 use tdem_engine::physics::bond;
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Conductor, Exchange, Path};
-use tdem_engine::{Course, Exposure, HeatPlan, Integrator, Plan, State, Thermal};
+use tdem_engine::{Course, Exposure, HeatPlan, Integrator, Motion, Plan, Simulation, State, Thermal};
 
 pub(crate) const REFERENCE: f64 = 293.15;
 pub(crate) const SPECIFIC_HEAT: f64 = 900.0;
@@ -23,6 +24,7 @@ pub(crate) fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
         contacts: Path::Bar,
         exposures: vec![Exposure::default()],
         walls: vec![None; plan.walls.len()],
+        motion: Motion::Stepped,
     });
     state.temperature = vec![REFERENCE; n];
     state.heat_rate = vec![0.0; n];
@@ -36,6 +38,24 @@ pub(crate) fn heat_of(plan: &mut Plan) -> &mut HeatPlan {
 
 pub(crate) fn constant(value: f64) -> Course {
     Course(vec![[0.0, value]])
+}
+
+pub(crate) fn after(state: &State, plan: &Plan, options: Options, steps: u64) -> State {
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), options).expect("the scene is sound");
+    simulation.advance(steps).expect("the scene runs through");
+    simulation.state().expect("a state can be taken")
+}
+
+/// A chain that is held in place, and the conductance of its bonds.
+pub(crate) fn held_chain(count: usize) -> (State, Plan, f64) {
+    let mut plan = free_space(ELASTIC, JOINT);
+    plan.constraints.push(CLAMPED);
+    let mut state = chain(count, &plan);
+    state.constraint = vec![1; count];
+    heated(&mut state, &mut plan, 0.0);
+    heat_of(&mut plan).time_scale = 1e5;
+    let conductance = 1.5 * 0.35 * (2.0 * RADIUS) * (2.0 * RADIUS) / (2.0 * RADIUS);
+    (state, plan, conductance)
 }
 
 /// A colliding cloud between walls of which two are warm, expanding.
@@ -58,8 +78,8 @@ pub(crate) fn warm_cloud() -> (State, Plan) {
     (state, plan)
 }
 
-/// The cracking block of two materials that conduct and expand differently and of two sizes, warmed from below, held at a temperature at one
-/// end, losing and gaining heat through its top.
+/// The cracking block of two materials that conduct and expand differently and of two sizes, warmed from below,
+/// held at a temperature at one end, losing and gaining heat through its top.
 pub(crate) fn warm_block(law: bond::Law, integrator: Integrator, expansion: f64) -> (State, Plan) {
     let (mut state, mut plan) = cracking_block(law, integrator);
     state.radius.iter_mut().step_by(3).for_each(|radius| *radius *= 0.97);

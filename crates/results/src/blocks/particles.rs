@@ -1,7 +1,7 @@
 //! Particles as points.
 
 use super::{Precision, Scene, field};
-use crate::glossary::{PARTICLES, PARTICLES_WITH_BONDS, Place};
+use crate::glossary::{PARTICLES, PARTICLES_WITH_BONDS, PARTICLES_WITH_HEAT, Place};
 use crate::vtkhdf::block::{Block, Cells};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -38,11 +38,12 @@ fn unfolded(state: &State, plan: &Plan, index: usize) -> [f64; 3] {
 impl Scene<'_> {
     pub(super) fn particles(&self, precision: Precision) -> Block {
         let of_bonds = if self.has_bonds() { PARTICLES_WITH_BONDS } else { &[] };
+        let of_heat = if self.plan.heat.is_some() { PARTICLES_WITH_HEAT } else { &[] };
         Block {
             name: Place::Particles.name(),
             points: precision.store(self.state.position.as_flattened()),
             cells: Cells::Vertices,
-            point_fields: (PARTICLES.par_iter().chain(of_bonds))
+            point_fields: (PARTICLES.par_iter().chain(of_bonds).chain(of_heat))
                 .map(|q| field(q.entry, (q.values)(self), precision))
                 .collect(),
             cell_fields: Vec::new(),

@@ -9,7 +9,7 @@ use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::face_centred::{CubicElasticity, tensile_stress};
 use tdem_engine::physics::bond::{Cement, Form, Joint};
 use tdem_engine::physics::stability::GEAR_OSCILLATOR_LIMIT;
-use tdem_engine::{Bond, Constraint, Domain, Fault, Integrator, Ledger, State};
+use tdem_engine::{Bond, Constraint, Fault, Integrator, Ledger, State};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -103,7 +103,7 @@ pub(super) const LATTICE: Joint<f64> =
     Joint { cement: Cement { stiffness_ratio: 1.0 / 3.0, radius_multiplier: 1.0, ..CEMENT }, ..JOINT };
 
 /// Volume of a cell, which holds four spheres, m³.
-const CELL: f64 = LATTICE_CONSTANT * LATTICE_CONSTANT * LATTICE_CONSTANT;
+pub(super) const CELL: f64 = LATTICE_CONSTANT * LATTICE_CONSTANT * LATTICE_CONSTANT;
 
 pub(super) fn lattice() -> CubicElasticity {
     let stiffness = numbers(&LATTICE).stiffness;
@@ -111,7 +111,7 @@ pub(super) fn lattice() -> CubicElasticity {
 }
 
 /// From a sphere to its twelve neighbours, m.
-fn neighbours() -> Vec<[f64; 3]> {
+pub(super) fn neighbours() -> Vec<[f64; 3]> {
     let half = 0.5 * LATTICE_CONSTANT;
     let mut offsets = Vec::new();
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
@@ -124,8 +124,8 @@ fn neighbours() -> Vec<[f64; 3]> {
     offsets
 }
 
-/// Forces of twelve bonds on the sphere that they share, under a uniform symmetric strain.
-fn star(bench: &mut Bench, strain: [[f64; 3]; 3]) -> Result<Vec<[f64; 3]>, Fault> {
+/// A sphere and its twelve neighbours, bonded to it, under a uniform symmetric strain.
+pub(super) fn star_scene(strain: [[f64; 3]; 3]) -> Scene {
     let mut scene = scene(Form::Total, LATTICE, 0.3);
     // The twelve touch each other, too.
     scene.plan.interactions.iter_mut().for_each(|i| i.normal_stiffness = 0.0);
@@ -138,7 +138,12 @@ fn star(bench: &mut Bench, strain: [[f64; 3]; 3]) -> Result<Vec<[f64; 3]>, Fault
         let was = *place;
         *place = std::array::from_fn(|i| was[i] + (0..3).map(|j| strain[i][j] * was[j]).sum::<f64>());
     }
-    let state = bench.after(&scene, 0)?;
+    scene
+}
+
+/// Forces of its twelve bonds on the sphere in the middle.
+fn star(bench: &mut Bench, strain: [[f64; 3]; 3]) -> Result<Vec<[f64; 3]>, Fault> {
+    let state = bench.after(&star_scene(strain), 0)?;
     Ok((1..=12).map(|k| state.force[k].map(|f| -f)).collect())
 }
 
@@ -250,19 +255,10 @@ fn tension(bench: &mut Bench, cells: [usize; 3], steps: u64, expected: [f64; 3])
     Ok(())
 }
 
-/// A box of so many cells that repeats.
-fn repeat(scene: &mut Scene, cells: [usize; 3]) {
-    scene.plan.domain = Domain {
-        min: [-0.25 * LATTICE_CONSTANT; 3],
-        max: cells.map(|n| (n as f64 - 0.25) * LATTICE_CONSTANT),
-        periodic: [true; 3],
-    };
-}
-
 fn plane_wave(bench: &mut Bench) -> Result<(), Fault> {
     let (cells, steps, amplitude) = ([6, 3, 3], 199, 1e-8 * SPACING);
     let mut scene = scene(Form::Total, LATTICE, 0.3);
-    repeat(&mut scene, cells);
+    scene.repeat(cells, [true; 3]);
     let sites = scene.block(cells);
     let bonds = (scene.state.bonds.len() as f64) / sites.len() as f64;
     bench.judge("bonds per sphere", "1", bonds, Kind::ClosedForm.within(6.0, 0.0));
@@ -291,7 +287,7 @@ fn critical_step(bench: &mut Bench) -> Result<(), Fault> {
     let (cells, bound, start) = ([2; 3], 0.5026, 1e-12 * SPACING);
     let mut growth = |part: f64| {
         let mut scene = scene(Form::Total, LATTICE, part * bound);
-        repeat(&mut scene, cells);
+        scene.repeat(cells, [true; 3]);
         scene.block(cells);
         let rate = start / scene.plan.dt;
         for k in 0..scene.state.len() {
@@ -315,7 +311,7 @@ fn critical_step_gear(bench: &mut Bench) -> Result<(), Fault> {
     let mut amplitudes = |omega_dt: f64, steps: u64| {
         let mut scene = scene(Form::Total, joint, omega_dt / fastest);
         scene.plan.integrator = Integrator::Gear;
-        repeat(&mut scene, cells);
+        scene.repeat(cells, [true; 3]);
         scene.block(cells);
         let sites = scene.state.position.clone();
         for (k, place) in scene.state.position.iter_mut().enumerate() {

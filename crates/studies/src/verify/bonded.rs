@@ -4,7 +4,7 @@ use super::scene::{Bench, Scene, Solid, solid};
 use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::{Bond as Numbers, Cement, Damping, Form, Joint, Law, Tension};
 use tdem_engine::physics::contact;
-use tdem_engine::{Bond, BondPlan, Constraint, Fault, State};
+use tdem_engine::{Bond, BondPlan, Constraint, Domain, Fault, State};
 
 pub(super) const RADIUS: f64 = 5e-3;
 /// Of touching spheres: the length of a bond.
@@ -57,6 +57,15 @@ impl Scene {
         if let Some(bonds) = &mut self.plan.bonds {
             bonds.local_damping = coefficient;
         }
+    }
+
+    /// A box of so many cells of the lattice that repeats along some axes.
+    pub(super) fn repeat(&mut self, cells: [usize; 3], periodic: [bool; 3]) {
+        self.plan.domain = Domain {
+            min: [-0.25 * LATTICE_CONSTANT; 3],
+            max: cells.map(|n| (n as f64 - 0.25) * LATTICE_CONSTANT),
+            periodic,
+        };
     }
 
     /// Adds spheres in a row along x from the origin on, each bonded to the next.

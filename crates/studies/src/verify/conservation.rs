@@ -76,7 +76,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 /// A cloud of 27 unequal spheres on a jittered lattice, moving and spinning at random.
-fn cloud(scene: &mut Scene, spacing: f64, least: f64, most: f64, speed: f64) {
+pub(super) fn cloud(scene: &mut Scene, spacing: f64, least: f64, most: f64, speed: f64) {
     for k in 0..27 {
         let radius = least + (most - least) * random(1, k);
         let jitter = random_vector(2, k);

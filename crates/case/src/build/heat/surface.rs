@@ -8,10 +8,13 @@ use crate::walls::FACES;
 use std::collections::BTreeMap;
 use tdem_engine::physics::heat::Exchange;
 use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
-use tdem_engine::{Course, Exposure};
+use tdem_engine::{Course, Exposure, SurfacePart};
 
 /// How far centres of a layer may lie behind the outermost, as a fraction of their radius.
 const LAYER: f64 = 0.5;
+
+/// Surfaces as gauges watch them, by name.
+pub(in crate::build) type Surfaces = BTreeMap<String, tdem_engine::Surface>;
 
 /// A surface with its particles.
 struct Skin<'c> {
@@ -32,7 +35,7 @@ pub(super) fn expose(
     draft: &mut Draft,
     zones: &[Vec<u32>],
     problems: &mut Vec<Problem>,
-) -> Vec<Exposure> {
+) -> (Vec<Exposure>, Surfaces) {
     let mut skins = Vec::new();
     for (index, surface) in context.loaded.case.surface.iter().enumerate() {
         match skin(context, draft, zones, index, surface) {
@@ -47,6 +50,7 @@ pub(super) fn expose(
     problems.extend(held_twice(context, &skins, &of_particle));
     let mut known: BTreeMap<(u16, &[usize]), u16> = BTreeMap::new();
     let mut exposures = vec![Exposure::default()];
+    let mut parts = vec![vec![None]; skins.len()];
     draft.state.exposure = (of_particle.iter().zip(&draft.state.material))
         .map(|(of, &material)| {
             if of.is_empty() {
@@ -54,12 +58,22 @@ pub(super) fn expose(
             }
             *known.entry((material, of)).or_insert_with(|| {
                 let conductivity = context.materials.thermal[usize::from(material)].conductivity;
-                exposures.push(exposure(heat, of.iter().map(|&k| &skins[k]), conductivity));
+                let mut exposure = Exposure::default();
+                parts.iter_mut().for_each(|of_skin| of_skin.push(None));
+                for &k in of {
+                    parts[k][exposures.len()] = Some(skins[k].add_to(&mut exposure, heat, conductivity));
+                }
+                exposures.push(exposure);
                 (exposures.len() - 1) as u16
             })
         })
         .collect();
-    exposures
+    let surfaces = skins.iter().zip(parts).map(|(skin, parts)| {
+        let mut ids: Vec<u32> = skin.members.iter().map(|&member| draft.state.id[member as usize]).collect();
+        ids.sort_unstable();
+        (skin.surface.name.clone(), tdem_engine::Surface { members: ids.into(), parts })
+    });
+    (exposures, surfaces.collect())
 }
 
 /// A surface of the case with its particles.
@@ -158,20 +172,19 @@ fn held_twice(context: &Context<'_>, skins: &[Skin<'_>], of_particle: &[Vec<usiz
         .collect()
 }
 
+const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+
 impl Skin<'_> {
     /// Whether its particles themselves are held at its temperature.
     fn holds(&self) -> bool {
         self.surface.temperature.is_some() && self.depth == 0.0
     }
-}
 
-/// What several surfaces together do to a particle.
-fn exposure<'s>(heat: &Heat, skins: impl Iterator<Item = &'s Skin<'s>>, conductivity: f64) -> Exposure {
-    const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
-    let zero = heat.scale.zero();
-    let mut exposure = Exposure::default();
-    for skin in skins {
-        let (surface, area, depth) = (skin.surface, skin.area, skin.depth);
+    /// Adds what it does to a particle to what others do. Returns which part is its own.
+    fn add_to(&self, exposure: &mut Exposure, heat: &Heat, conductivity: f64) -> SurfacePart {
+        let (surface, area, depth, zero) = (self.surface, self.area, self.depth, heat.scale.zero());
+        let resistance = if depth > 0.0 { depth / (conductivity * area) } else { 0.0 };
+        let first = exposure.exchanges.len();
         let mut add = |exchange: Exchange<f64>, outside: Course| exposure.exchanges.push((exchange, outside));
         if let Some(flux) = &surface.flux {
             add(Exchange { flux_area: area, ..NONE }, course(flux, 0.0));
@@ -181,19 +194,16 @@ fn exposure<'s>(heat: &Heat, skins: impl Iterator<Item = &'s Skin<'s>>, conducti
             add(Exchange { conductance, ..NONE }, course(&convection.temperature, zero));
         }
         if let Some(radiation) = &surface.radiation {
-            let resistance = if depth > 0.0 { depth / (conductivity * area) } else { 0.0 };
             let radiates = radiation.emissivity.get() * STEFAN_BOLTZMANN * area;
             add(Exchange { radiation: radiates, resistance, ..NONE }, course(&radiation.temperature, zero));
         }
-        if let Some(temperature) = &surface.temperature {
-            let temperature = course(temperature, zero);
-            if skin.holds() {
-                exposure.temperature = Some(temperature);
-            } else {
-                let conductance = surface_conductance(area, depth, conductivity, f64::INFINITY);
-                add(Exchange { conductance, ..NONE }, temperature);
-            }
+        if let Some(temperature) = surface.temperature.as_ref().filter(|_| !self.holds()) {
+            let conductance = surface_conductance(area, depth, conductivity, f64::INFINITY);
+            add(Exchange { conductance, ..NONE }, course(temperature, zero));
         }
+        if self.holds() {
+            exposure.temperature = surface.temperature.as_ref().map(|temperature| course(temperature, zero));
+        }
+        SurfacePart { exchanges: first..exposure.exchanges.len(), resistance }
     }
-    exposure
 }

@@ -1,0 +1,65 @@
+//! Where the heat is, where it went, and whether the sum closes.
+
+use super::{extremes, sum};
+use crate::heat_accounts::{IN, OUT};
+use crate::{Plan, State};
+
+/// Heat of one instant, as a row of `history.csv` shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeatLedger {
+    /// Time of the heat, s.
+    pub time: f64,
+    /// $\sum mc(T - T_0)$ less that at the start, J; where heat goes along with the motion, what is under way into the next
+    /// step is included.
+    pub stored: f64,
+    /// Came in through surfaces and walls and by prescribed temperatures since the start, J.
+    pub came_in: f64,
+    /// Left through them since the start, J.
+    pub went_out: f64,
+    /// What the ledger does not explain: stored - in + out, J; 0 without ledger.
+    pub error: f64,
+    /// Lowest temperature, K.
+    pub lowest: f64,
+    /// Mean temperature over all particles, K.
+    pub mean: f64,
+    /// Highest temperature, K.
+    pub highest: f64,
+}
+
+impl HeatLedger {
+    /// Takes stock of a state; `None` without heat. The result has the same bits for any number of threads.
+    #[must_use]
+    pub fn of(state: &State, plan: &Plan) -> Option<HeatLedger> {
+        plan.heat.as_ref()?;
+        let [came_in, went_out] =
+            sum(state.heat_accounts.len(), |i| [state.heat_accounts[i][IN], state.heat_accounts[i][OUT]]);
+        let stored = state.heat(plan) - state.initial_heat;
+        let [total] = sum(state.len(), |i| [state.temperature[i]]);
+        let [lowest, highest] = extremes(&state.temperature);
+        let booked = plan.ledger && state.heat_accounts.len() == state.len();
+        Some(HeatLedger {
+            time: plan.heat_time(state.step),
+            stored,
+            came_in,
+            went_out,
+            error: if booked { stored - came_in + went_out } else { 0.0 },
+            lowest,
+            mean: total / state.len().max(1) as f64,
+            highest,
+        })
+    }
+}
+
+impl State {
+    /// $\sum mc(T - T_0)$, J; 0 without heat. Where heat goes along with the motion, with what is under way into the next
+    /// step: accounts are booked with heat rates, which that step follows.
+    pub(crate) fn heat(&self, plan: &Plan) -> f64 {
+        let Some(heat) = &plan.heat else { return 0.0 };
+        let step = if heat.motion.takes_turns() { 0.0 } else { plan.heat_step() };
+        let [total] = sum(self.len(), |i| {
+            let capacity = self.mass[i] * heat.materials[usize::from(self.material[i])].specific_heat;
+            [capacity * (self.temperature[i] - heat.reference_temperature) + self.heat_rate[i] * step]
+        });
+        total
+    }
+}
