@@ -5,7 +5,7 @@
 mod common;
 
 use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
-use common::heated::{EXPANSION, REFERENCE, heat_of, heated, warm_block, warm_cloud};
+use common::heated::{EXPANSION, REFERENCE, heat_of, heated, heated_block, in_turns, warm_block, warm_cloud};
 use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
@@ -327,6 +327,16 @@ fn same_bits_where_heat_and_motion_take_turns() {
         let end = both(&state, &plan, 3, &format!("turns, ledger {ledger}"));
         assert!(end.radius.iter().zip(&state.radius).any(|(now, before)| now > before));
     }
+}
+
+#[test]
+fn same_bits_where_heated_bodies_crack_between_steps_of_the_heat() {
+    let (state, plan) = heated_block();
+    let plan = in_turns(&plan, 25.0, 1e-3);
+    let end = both(&state, &plan, 8, "cracks");
+    assert!(end.bonds.iter().any(|bond| !bond.holds()));
+    let half = run(&state, &plan, gpu(), 5).expect("the scene runs through on the device");
+    assert_same(&run(&half, &plan, cpu(), 3).expect("it goes on"), &end, "cracks, begun on the device");
 }
 
 #[test]

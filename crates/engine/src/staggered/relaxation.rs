@@ -101,19 +101,19 @@ fn grow(state: &mut State, plan: &Plan) -> f64 {
 
 /// What bonds would bear, in the mean, if they were held and became a little warmer, N; 0 without bonds.
 fn thermal_force(state: &State, plan: &Plan) -> f64 {
-    let of_bond = |k: usize| {
-        let [i, j] = [state.bonds[k].first, state.bonds[k].second].map(|id| state.index_of(id).unwrap_or(0));
-        let offset = state.bonded_offset(plan, i, j);
-        let length = offset.dot(offset).sqrt();
-        let force = (|| {
-            let joint = plan.joint(state.material[i], state.material[j])?;
-            let [first, second] = [i, j].map(|index| state.bonded_sphere(index));
-            let damping = plan.bonds.as_ref()?.law.damping;
-            let stiffness = joint.bond_of_spheres(damping, &first, &second, length, 1.0).stiffness.normal;
-            Some(stiffness * (state.link(plan, i, j)?.free_strain(WARMTH, WARMTH) * length).abs())
-        })();
-        [force.unwrap_or(0.0)]
-    };
-    let [force] = sum(state.bonds.len(), of_bond);
+    let [force] = sum(state.bonds.len(), |k| [thermal_force_of(state, plan, k).unwrap_or(0.0)]);
     force / state.bonds.len().max(1) as f64
+}
+
+/// The same of one bond; `None` if it has no numbers.
+fn thermal_force_of(state: &State, plan: &Plan, bond: usize) -> Option<f64> {
+    let law = plan.bonds.as_ref()?.law;
+    let (i, j) = (state.index_of(state.bonds[bond].first)?, state.index_of(state.bonds[bond].second)?);
+    let offset = state.bonded_offset(plan, i, j);
+    let length = offset.dot(offset).sqrt();
+    let [first, second] = [i, j].map(|index| state.bonded_sphere(index));
+    let joint = plan.joint(state.material[i], state.material[j])?;
+    let stiffness = joint.bond_of_spheres(law.damping, &first, &second, length, 1.0).stiffness.normal;
+    let free_strain = state.link(plan, i, j)?.free_strain(WARMTH, WARMTH);
+    Some((stiffness * free_strain * length).abs())
 }

@@ -1,12 +1,17 @@
 //! Scenes with heat.
 
-use super::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, chain, cracking_block, free_space};
-use super::{random, scene};
+use super::bonded::{
+    CEMENT, CLAMPED, ELASTIC, JOINT, LATTICE_CONSTANT, RADIUS, bond_neighbours, chain, cracking_block, free_space,
+    lattice,
+};
+use super::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
-use tdem_engine::physics::bond;
+use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Conductor, Exchange, Path};
-use tdem_engine::{Course, Exposure, HeatPlan, Integrator, Motion, Plan, Simulation, State, Thermal};
+use tdem_engine::{
+    Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, Thermal,
+};
 
 pub(crate) const REFERENCE: f64 = 293.15;
 pub(crate) const SPECIFIC_HEAT: f64 = 900.0;
@@ -107,6 +112,55 @@ pub(crate) fn warm_block(law: bond::Law, integrator: Integrator, expansion: f64)
             (false, true) => 1 + (i % 2) as u16,
             (false, false) => 0,
         };
+    }
+    (state, plan)
+}
+
+pub(crate) const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+
+/// The same with nothing moving, in steps of the heat.
+pub(crate) fn frozen(plan: &Plan, scheme: Scheme, step: f64) -> Plan {
+    let mut plan = Plan { dt: step, ..plan.clone() };
+    let heat = heat_of(&mut plan);
+    (heat.motion, heat.time_scale) = (Motion::Frozen(scheme), 1.0);
+    plan
+}
+
+/// Heat and motion in turns, in steps of the heat.
+pub(crate) fn in_turns(plan: &Plan, step: f64, ratio: f64) -> Plan {
+    let mut plan = Plan { dt: step, ..plan.clone() };
+    plan.bonds.as_mut().expect("the plan has bonds").local_damping = 0.7;
+    let heat = heat_of(&mut plan);
+    let relaxation = Relaxation { scheme: Scheme::Implicit, dt: 2e-5, ratio, at_most_steps: 20_000, check_every: 50 };
+    (heat.motion, heat.time_scale) = (Motion::QuasiStatic(relaxation), 1.0);
+    plan
+}
+
+/// A block of two materials of which one expands five times as much, heated through one side until it cracks.
+pub(crate) fn heated_block() -> (State, Plan) {
+    let mut plan = free_space(ELASTIC, JOINT);
+    plan.materials = 2;
+    plan.interactions = vec![plan.interactions[0]; 4];
+    let cement = Cement { tensile_strength: 1.5e5, shear_strength: 1.5e5, ..CEMENT };
+    plan.bonds.as_mut().expect("the plan has bonds").joints = vec![Some(Joint { cement, ..JOINT }); 4];
+    plan.constraints.push(CLAMPED);
+    let mut state = spheres(&lattice([4, 4, 4]), DENSITY);
+    for i in 0..state.len() {
+        state.material[i] = u16::from(state.position[i][0] > 1.9 * LATTICE_CONSTANT);
+        state.constraint[i] = u16::from(state.position[i][2] < 0.1 * LATTICE_CONSTANT);
+    }
+    bond_neighbours(&mut state, &plan);
+    for (bond, k) in state.bonds.iter_mut().zip(0..) {
+        bond.strength = 0.7 + 0.6 * random(9, k);
+    }
+    heated(&mut state, &mut plan, EXPANSION);
+    let film = Exchange { conductance: 5e-3, ..NONE };
+    let heat = heat_of(&mut plan);
+    heat.materials[1].expansion *= 5.0;
+    let course = Course(vec![[0.0, REFERENCE], [200.0, REFERENCE + 600.0]]);
+    heat.exposures.push(Exposure { temperature: None, exchanges: vec![(film, course)] });
+    for i in 0..state.len() {
+        state.exposure[i] = u16::from(state.position[i][2] > 3.4 * LATTICE_CONSTANT);
     }
     (state, plan)
 }
