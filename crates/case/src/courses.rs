@@ -50,6 +50,11 @@ fn all(case: &mut Case) -> Vec<Found<'_>> {
     for (table, (k, temperature)) in walls.chain(boxes) {
         found.extend(temperature.iter_mut().map(|course| (below(&index(table, k), &["temperature"]), course)));
     }
+    for (k, curve) in case.curve.iter_mut().enumerate() {
+        let path = index("curve", k);
+        let values = curve.against.iter_mut().map(|against| &mut against.values).enumerate();
+        found.extend(values.map(|(n, course)| (below(&path, &["against", &n.to_string(), "values"]), course)));
+    }
     for (k, surface) in case.surface.iter_mut().enumerate() {
         let path = index("surface", k);
         let convection = surface.convection.as_mut().map(|c| &mut c.temperature);

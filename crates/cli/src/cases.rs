@@ -79,6 +79,7 @@ pub(crate) fn curves(case: &Case) -> Vec<Curve> {
         name: curve.name.clone(),
         x: axis(&curve.x, [curve.x_factor, curve.x_offset], &curve.x_title),
         y: axis(&curve.y, [curve.y_factor, curve.y_offset], &curve.y_title),
+        against: curve.against.iter().map(|of| (of.name.clone(), of.values.points())).collect(),
     });
     curves.collect()
 }

@@ -7,13 +7,13 @@ use crate::progress::Watch;
 use crate::render::{self, Report, Reports};
 use crate::signals::{self, Signals};
 use crate::summary;
-use crate::units::{argument, bytes, grouped, short};
+use crate::units::{argument, bytes, counted, grouped, number, short};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use tdem_case::Fields;
-use tdem_engine::{Fault, Schedule, Simulation, State, gpu};
+use tdem_engine::{Fault, Schedule, Simulation, State, Turns, gpu};
 use tdem_results::curve::{self, Curve};
 use tdem_results::{Error, Outcome, RunDirectory, RunError, load_final_state, session};
 
@@ -66,6 +66,9 @@ impl Work<'_> {
         let outcome = session::run(simulation, &mut self.directory, &schedule, &mut watch);
         let took = began.elapsed();
         let last = watch.finish();
+        if let Some(turns) = last.and_then(|last| last.turns).filter(|turns| turns.unrelaxed > 0) {
+            render::warn(&Report::warning("tdem::run::unrelaxed", unrelaxed(&turns)).into());
+        }
         let path = self.directory.path().to_owned();
         let curves =
             if matches!(outcome, Ok(Outcome::Finished { .. })) { draw(&path, &self.curves) } else { Vec::new() };
@@ -111,6 +114,16 @@ impl Work<'_> {
             }
         }
     }
+}
+
+/// That heat went on although particles were not at rest.
+fn unrelaxed(turns: &Turns) -> String {
+    format!(
+        "particles were not at rest behind {}, the last of them step {}: heat went on with a ratio of forces of up to {}",
+        counted(turns.unrelaxed, "step"),
+        grouped(turns.last_unrelaxed),
+        number(turns.largest_ratio, 3)
+    )
 }
 
 /// Draws all curves that can be drawn, and returns their files. The rest of the run is whole without them.
@@ -202,6 +215,7 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::NotFinite { .. } => "tdem::run::not-finite",
         Fault::Escaped { .. } => "tdem::run::escaped",
         Fault::Temperature { .. } => "tdem::run::temperature",
+        Fault::Conduction { .. } => "tdem::run::conduction",
         Fault::NoHeat => "tdem::device::no-heat",
         Fault::Overlap { .. } => "tdem::run::overlap",
         Fault::ListOverflow { .. } => "tdem::run::list-overflow",

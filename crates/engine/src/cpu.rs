@@ -26,6 +26,8 @@ pub(crate) use bodies::{Quad, second_derivative};
 pub(crate) use grid::class_of;
 pub(crate) use neighbours::indices_by_rank;
 pub(crate) use pieces::split;
+pub(crate) use predict::optional;
+pub(crate) use profile::copy_bandwidth;
 
 use bodies::Bodies;
 use bonds::Bonds;
@@ -87,7 +89,7 @@ pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize
 }
 
 /// Particles per task of a parallel loop. Results do not depend on it.
-const CHUNK: usize = 512;
+pub(crate) const CHUNK: usize = 512;
 
 /// A run on the CPU.
 pub(crate) struct Cpu {
@@ -210,7 +212,7 @@ impl Backend for Cpu {
         self.profile_all(steps)
     }
     fn copy_bandwidth(&self) -> Result<f64, Fault> {
-        self.copy_arrays()
+        copy_bandwidth(&self.pool)
     }
     fn searches(&self) -> u64 {
         self.searches

@@ -1,5 +1,6 @@
 //! What a simulation runs on.
 
+use crate::staggered::Staggered;
 use crate::step::Backend;
 use crate::{Fault, Plan, State, cpu, gpu};
 
@@ -42,6 +43,9 @@ impl From<&Device> for Device {
 impl Device {
     /// A back end that holds the state.
     pub(crate) fn open(self, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
+        if plan.heat.as_ref().is_some_and(|heat| heat.motion.takes_turns()) {
+            return Ok(Box::new(Staggered::open(self, state, plan)?));
+        }
         match self {
             Device::Cpu(options) => Ok(Box::new(cpu::Cpu::new(state, plan, &options)?)),
             Device::Gpu { api, index } => gpu::open(api, index, state, plan),

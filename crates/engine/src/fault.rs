@@ -29,6 +29,21 @@ pub enum Fault {
         /// K.
         temperature: f64,
     },
+    /// The temperatures of the end of a step were not found.
+    #[error(
+        "the temperatures of step {step} (t = {time:.6e} s) were not found in {iterations} iterations: they are \
+         {error:.3e} K from the balance of heat in the mean"
+    )]
+    Conduction {
+        /// Step that was computed.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// Iterations done.
+        iterations: u64,
+        /// K.
+        error: f64,
+    },
     /// Heat was asked of a device.
     #[error("no device but the CPU computes heat so far")]
     NoHeat,
@@ -96,4 +111,24 @@ pub enum Fault {
     /// The device cannot be used, or failed.
     #[error("{0}")]
     Device(#[from] crate::gpu::Error),
+}
+
+impl Fault {
+    /// The same at another step: that of the simulation, where a fault was found in a step of its motion.
+    pub(crate) fn at(mut self, now: u64, clock: f64) -> Self {
+        match &mut self {
+            Fault::NotFinite { step, time, .. }
+            | Fault::Temperature { step, time, .. }
+            | Fault::Conduction { step, time, .. }
+            | Fault::Escaped { step, time, .. }
+            | Fault::Overlap { step, time, .. } => (*step, *time) = (now, clock),
+            Fault::ListOverflow { step, .. } => *step = now,
+            Fault::NoHeat
+            | Fault::BoxTooSmall { .. }
+            | Fault::Threads { .. }
+            | Fault::Inconsistent { .. }
+            | Fault::Device(_) => {}
+        }
+        self
+    }
 }

@@ -1,7 +1,7 @@
 //! Heat as a plan describes it.
 
 use crate::plan::value_at;
-use crate::{Fault, Plan, State};
+use crate::{Fault, Motion, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::heat::{Conductor, Exchange, Link, Path};
 
@@ -23,6 +23,8 @@ pub struct HeatPlan {
     pub exposures: Vec<Exposure>,
     /// Temperatures of walls, K, over the time of the heat, `(walls)`; `None` is insulated.
     pub walls: Vec<Option<Course>>,
+    /// What particles do while heat goes on.
+    pub motion: Motion,
 }
 
 /// What a material is to heat.
@@ -71,11 +73,24 @@ pub mod heat_accounts {
     pub const OUT: usize = 1;
 }
 
+/// Books heat that came in, or left if it is negative, J.
+pub(crate) fn book(account: &mut [f64; 2], heat: f64) {
+    if heat > 0.0 {
+        account[heat_accounts::IN] += heat;
+    } else {
+        account[heat_accounts::OUT] -= heat;
+    }
+}
+
 impl HeatPlan {
     /// What conducts between two materials.
     #[must_use]
     pub fn conductor(&self, first: u16, second: u16) -> &Conductor<f64> {
         &self.conductors[usize::from(first) * self.materials.len() + usize::from(second)]
+    }
+    /// Whether heat goes along with the motion; not where the motion has its turn, and temperatures stay as they are.
+    pub(crate) fn flows(&self) -> bool {
+        self.time_scale > 0.0
     }
     /// Whether any material grows.
     #[must_use]
@@ -195,6 +210,7 @@ impl State {
             heat.is_sound(plan),
             "heat has numbers for every material, pair and wall, and courses that ascend in time",
         )?;
+        heat.motion.validate(plan, heat)?;
         check(self.temperature.iter().all(|&t| t > 0.0 && t.is_finite()), "temperatures are above absolute zero")?;
         check(self.exposure.iter().all(|&e| usize::from(e) < heat.exposures.len()), "every exposure is in the plan")?;
         let incremental = plan.bonds.as_ref().is_some_and(|bonds| matches!(bonds.law.form, bond::Form::Incremental(_)));

@@ -98,16 +98,13 @@ impl Ledger {
             tally(state.len(), |i| {
                 let (velocity, spin): (Vec3<f64>, Vec3<f64>) =
                     (state.velocity[i].into(), state.angular_velocity[i].into());
-                let (mass, force): (f64, Vec3<f64>) = (state.mass[i], state.force[i].into());
+                let mass = state.mass[i];
                 let unfolded = state.true_position(i, length);
-                let prescribed = &plan.constraints[usize::from(state.constraint[i])].velocity;
-                let [x, y, z] = prescribed.map(|rate| f64::from(u8::from(rate.is_none())));
-                let unbalanced = Vec3 { x: force.x * x, y: force.y * y, z: force.z * z };
                 let terms = [
                     0.5 * mass * velocity.dot(velocity),
                     0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
                     -(mass * gravity.dot(unfolded.into())),
-                    unbalanced.dot(unbalanced).sqrt(),
+                    resultant_of(state, plan, i),
                 ];
                 (terms, velocity.dot(velocity).sqrt())
             });
@@ -119,9 +116,7 @@ impl Ledger {
 
         let [elastic_bonds, bond_force, bonds, released] = sum(state.bonds.len(), |k| of_bond(state, plan, k));
         let holding = bonds as usize;
-        let contacts = state.contacts.len() + state.wall_contacts.len() + holding;
-        let mean_contact = (pair_force + wall_size + bond_force) / contacts.max(1) as f64;
-        let mean_resultant = resultant / state.len().max(1) as f64;
+        let imbalance = Imbalance::mean(state, resultant, [pair_force, wall_size, bond_force], holding);
         let mut ledger = Ledger {
             kinetic_translation,
             kinetic_rotation,
@@ -141,7 +136,7 @@ impl Ledger {
             broken_bonds: (state.bonds.len() - holding) as u64,
             largest_speed,
             largest_overlap,
-            unbalanced_force_ratio: if mean_contact > 0.0 { mean_resultant / mean_contact } else { 0.0 },
+            unbalanced_force_ratio: imbalance.ratio(0.0),
             heat: HeatLedger::of(state, plan),
             wall_force: [fx, fy, fz],
         };
@@ -167,6 +162,52 @@ impl Ledger {
     pub fn kinetic(&self) -> f64 {
         self.kinetic_translation + self.kinetic_rotation
     }
+}
+
+/// How far from equilibrium particles are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Imbalance {
+    /// Mean size of the resultant force on a particle without prescribed components, N.
+    resultant: f64,
+    /// Mean size of a force of contacts and bonds, N.
+    force: f64,
+}
+
+impl Imbalance {
+    /// That of a state, with the same bits for any number of threads.
+    pub(crate) fn of(state: &State, plan: &Plan) -> Self {
+        let [resultant] = sum(state.len(), |i| [resultant_of(state, plan, i)]);
+        let [pair] = sum(state.contacts.len(), |k| [of_pair(state, plan, &state.contacts[k]).0[2]]);
+        let [wall] = sum(state.wall_contacts.len(), |k| [at_wall(state, plan, &state.wall_contacts[k])[2]]);
+        let [bond, holding] = sum(state.bonds.len(), |k| {
+            let [_, force, holds, _] = of_bond(state, plan, k);
+            [force, holds]
+        });
+        Imbalance::mean(state, resultant, [pair, wall, bond], holding as usize)
+    }
+    /// From sums, and the number of bonds that hold.
+    fn mean(state: &State, resultant: f64, forces: [f64; 3], holding: usize) -> Self {
+        let contacts = state.contacts.len() + state.wall_contacts.len() + holding;
+        let [pair, wall, bond] = forces;
+        Imbalance {
+            resultant: resultant / state.len().max(1) as f64,
+            force: (pair + wall + bond) / contacts.max(1) as f64,
+        }
+    }
+    /// Mean resultant over mean force, or over a force that counts as small if that is more; 0 without forces.
+    pub(crate) fn ratio(&self, small: f64) -> f64 {
+        let force = self.force.max(small);
+        if force > 0.0 { self.resultant / force } else { 0.0 }
+    }
+}
+
+/// Size of the resultant force on a particle without its prescribed components, N.
+fn resultant_of(state: &State, plan: &Plan, particle: usize) -> f64 {
+    let force: Vec3<f64> = state.force[particle].into();
+    let prescribed = &plan.constraints[usize::from(state.constraint[particle])].velocity;
+    let [x, y, z] = prescribed.map(|rate| f64::from(u8::from(rate.is_none())));
+    let unbalanced = Vec3 { x: force.x * x, y: force.y * y, z: force.z * z };
+    unbalanced.dot(unbalanced).sqrt()
 }
 
 /// Normal and tangential energy and size of the force of a pair, and its overlap as a fraction of its mean radius.

@@ -7,6 +7,7 @@
 //! * [`Gauge`] force on a group of particles, how far it went
 //! * [`Profile`] where the time of a step goes
 //! * [`Schedule`] when a run ends and when its state is wanted
+//! * [`Motion`] what particles do while heat goes on
 //!
 //! The engine does no input or output, and no clock is looked at but for a [`Profile`]. One step is `step.rs`; its stages have the same names as the files of the
 //! back ends, [`cpu`] and [`gpu`].
@@ -21,10 +22,13 @@ mod gauge;
 pub mod gpu;
 mod heat;
 mod ledger;
+mod motion;
+mod network;
 mod plan;
 mod profile;
 mod schedule;
 mod simulation;
+mod staggered;
 mod state;
 mod step;
 
@@ -36,9 +40,11 @@ pub use fault::Fault;
 pub use gauge::{Gauge, Group, Measure, Part as SurfacePart, Reading, Surface};
 pub use heat::{Course, Exposure, HeatPlan, Thermal, heat_accounts};
 pub use ledger::{HeatLedger, Ledger};
+pub use motion::{Motion, Relaxation, Scheme};
 pub use plan::{Constraint, Domain, Driven, Integrator, Plan, Ramp, Search, Wall};
 pub use profile::{Part, Profile, STAGES};
 pub use schedule::Schedule;
 pub use simulation::Simulation;
+pub use staggered::Turns;
 pub use state::{Contact, State, WallContact, energy_accounts};
 pub use tdem_physics as physics;

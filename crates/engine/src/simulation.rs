@@ -1,7 +1,7 @@
 //! A state that advances.
 
 use crate::step::Backend;
-use crate::{Capture, Device, Fault, Ledger, Plan, Profile, State};
+use crate::{Capture, Device, Fault, Ledger, Plan, Profile, State, Turns};
 
 /// A state advanced by a back end under a plan.
 pub struct Simulation {
@@ -113,6 +113,11 @@ impl Simulation {
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.backend.bytes()
+    }
+    /// What heat and motion took so far, where heat advances by itself; `None` where it goes along with the motion.
+    #[must_use]
+    pub fn turns(&self) -> Option<Turns> {
+        self.backend.turns()
     }
     /// How often neighbours were listed so far.
     #[must_use]

@@ -128,6 +128,31 @@ impl State {
         if self.id.get(guess) == Some(&id) { Some(guess) } else { self.id.binary_search(&id).ok() }
     }
 
+    /// Bytes of all arrays.
+    pub(crate) fn bytes(&self) -> usize {
+        fn size<T>(field: &[T]) -> usize {
+            size_of_val(field)
+        }
+        [&self.position, &self.velocity, &self.angular_velocity, &self.force, &self.moment, &self.bonded_position]
+            .into_iter()
+            .map(|field| size(field))
+            .chain(
+                [&self.radius, &self.mass, &self.temperature, &self.heat_rate, &self.reference_radius].map(|f| size(f)),
+            )
+            .chain([&self.material, &self.constraint, &self.exposure].map(|field| size(field)))
+            .sum::<usize>()
+            + size(&self.id)
+            + size(&self.image)
+            + size(&self.orientation)
+            + size(&self.derivatives)
+            + size(&self.accounts)
+            + size(&self.heat_accounts)
+            + size(&self.contacts)
+            + size(&self.wall_contacts)
+            + size(&self.bonds)
+            + size(&self.bond_histories)
+    }
+
     /// A hash of the whole state, the same wherever the same bits were computed. Signed zeros do not matter.
     #[must_use]
     pub fn hash(&self) -> u128 {

@@ -1,6 +1,6 @@
 //! One step: the algorithm.
 
-use crate::{Capture, Fault, Profile};
+use crate::{Capture, Fault, Profile, Turns};
 
 /// The stages of a step. Stage names are file names: `cpu/predict.rs`, `gpu/kernels/predict.cl` and so on; on a device
 /// several may be one kernel.
@@ -51,4 +51,8 @@ pub(crate) trait Backend: Send {
     fn copy_bandwidth(&self) -> Result<f64, Fault>;
     /// How often neighbours were listed.
     fn searches(&self) -> u64;
+    /// What heat and motion took, where they take turns.
+    fn turns(&self) -> Option<Turns> {
+        None
+    }
 }

@@ -129,7 +129,7 @@ fn a_sudden_force_overshoots_by_a_factor_of_two_and_its_work_is_booked() {
         let (mut farthest, mut first_force) = (0.0_f64, None);
         for _ in 0..150 {
             let now = simulation.state().expect("a state can be taken");
-            let Reading::Of { force, displacement } = plan.gauges[0].read(&now, &plan) else { panic!("a group") };
+            let Reading::Of { force, displacement, .. } = plan.gauges[0].read(&now, &plan) else { panic!("a group") };
             first_force.get_or_insert(force[0]);
             farthest = farthest.max(displacement[0]);
             let ledger = Ledger::of(&now, &plan);

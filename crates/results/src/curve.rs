@@ -18,6 +18,8 @@ pub struct Curve {
     pub x: Axis,
     /// Along the vertical axis.
     pub y: Axis,
+    /// Names of other curves, and their points in the units of the axes.
+    pub against: Vec<(String, Vec<[f64; 2]>)>,
 }
 
 /// What an axis shows.
@@ -58,7 +60,7 @@ pub fn draw(run: &Path, curve: &Curve) -> Result<PathBuf, Error> {
     let (x, x_title) = scaled(&curve.x, column(&curve.x)?);
     let (y, y_title) = scaled(&curve.y, column(&curve.y)?);
     let points = x.into_iter().zip(y).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-    let drawn = svg(&thinned(points), [&x_title, &y_title]).map_err(|why| Error::Drawing {
+    let drawn = svg(&thinned(points), &curve.against, [&x_title, &y_title]).map_err(|why| Error::Drawing {
         curve: curve.name.clone(),
         why,
         path: path.clone(),
@@ -145,30 +147,34 @@ fn label(value: f64, length: f64) -> String {
 }
 
 /// The picture, or why there is none.
-fn svg(points: &[(f64, f64)], [x_title, y_title]: [&str; 2]) -> Result<String, String> {
+fn svg(points: &[(f64, f64)], against: &[(String, Vec<[f64; 2]>)], titles: [&str; 2]) -> Result<String, String> {
     if points.is_empty() {
         return Err("no row of the history has a number for both axes".to_owned());
     }
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        let (x, y) = (extent(points.iter().map(|point| point.0)), extent(points.iter().map(|point| point.1)));
-        paint(&area, points, [x, y], [x_title, y_title]).map_err(|error| error.to_string())?;
+        let others = || against.iter().flat_map(|(_, points)| points).map(|&[x, y]| (x, y));
+        let all = || points.iter().copied().chain(others());
+        let extents = [extent(all().map(|point| point.0)), extent(all().map(|point| point.1))];
+        paint(&area, points, against, extents, titles).map_err(|error| error.to_string())?;
     }
     Ok(text)
 }
 
 type Painted<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
-/// Grid, axes with titles, and the line.
+/// Grid, axes with titles, and the lines; a key if there are several.
 fn paint<B: DrawingBackend>(
     area: &DrawingArea<B, plotters::coord::Shift>,
     points: &[(f64, f64)],
+    against: &[(String, Vec<[f64; 2]>)],
     [x, y]: [Range<f64>; 2],
     [x_title, y_title]: [&str; 2],
 ) -> Painted<B> {
     const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
     const LINE: RGBColor = RGBColor(0x1f, 0x4e, 0x8c);
+    const OTHERS: [RGBColor; 3] = [RGBColor(0xc0, 0x50, 0x1e), RGBColor(0x4c, 0x8a, 0x3a), RGBColor(0x7a, 0x4f, 0x9c)];
     area.fill(&WHITE)?;
     let [length, height] = [&x, &y].map(|axis| axis.end - axis.start);
     let mut chart = ChartBuilder::on(area)
@@ -191,7 +197,27 @@ fn paint<B: DrawingBackend>(
         .x_desc(x_title)
         .y_desc(y_title)
         .draw()?;
-    chart.draw_series(LineSeries::new(points.iter().copied(), LINE.stroke_width(2)))?;
+    let shown =
+        |colour: RGBColor| move |(x, y): (i32, i32)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(2));
+    let line = chart.draw_series(LineSeries::new(points.iter().copied(), LINE.stroke_width(2)))?;
+    if against.is_empty() {
+        return area.present();
+    }
+    line.label("computed").legend(shown(LINE));
+    for ((name, points), colour) in against.iter().zip(OTHERS.into_iter().cycle()) {
+        let points = points.iter().map(|&[x, y]| (x, y));
+        let dashes = DashedLineSeries::new(points, 8, 5, colour.stroke_width(2));
+        chart.draw_series(dashes)?.label(name).legend(shown(colour));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .margin(14)
+        .legend_area_size(32)
+        .background_style(WHITE)
+        .border_style(GRID)
+        .label_font((FONT, 17))
+        .draw()?;
     area.present()
 }
 
@@ -200,7 +226,7 @@ mod tests {
     use super::*;
 
     fn axis(column: &str, factor: f64, title: Option<&str>) -> Axis {
-        Axis { column: column.into(), factor, title: title.map(Into::into) }
+        Axis { column: column.into(), factor, offset: 0.0, title: title.map(Into::into) }
     }
 
     #[test]
@@ -213,6 +239,7 @@ mod tests {
             name: "pull".into(),
             x: axis("grip_displacement_y", 1.0, None),
             y: axis("grip_force_y", -1.0, None),
+            against: Vec::new(),
         };
         let path = draw(folder.path(), &curve).unwrap();
         assert_eq!(path.file_name().unwrap(), "curve-pull.svg");
@@ -223,15 +250,18 @@ mod tests {
         assert_eq!(line.split('"').next().unwrap().split_whitespace().count(), 50);
         let titled = Curve { y: axis("grip_force_y", -1e-3, Some("Force, kN")), ..curve.clone() };
         assert!(fs::read_to_string(draw(folder.path(), &titled).unwrap()).unwrap().contains("Force, kN"));
+        let measured = Curve { against: vec![("measured".into(), vec![[0.0, 0.0], [5e-5, 3e3]])], ..curve.clone() };
+        let text = fs::read_to_string(draw(folder.path(), &measured).unwrap()).unwrap();
+        assert!(text.contains("measured") && text.contains("computed"), "a key tells them apart");
         let missing = Curve { x: axis("time", 1.0, None), ..curve };
         assert!(matches!(draw(folder.path(), &missing), Err(Error::NoColumn { .. })));
     }
 
     #[test]
     fn what_does_not_change_and_what_is_not_there() {
-        let level = svg(&[(0.0, 2.0), (1.0, 2.0)], ["a", "b"]).unwrap();
+        let level = svg(&[(0.0, 2.0), (1.0, 2.0)], &[], ["a", "b"]).unwrap();
         assert!(level.contains("polyline"));
-        assert!(svg(&[], ["a", "b"]).is_err());
+        assert!(svg(&[], &[], ["a", "b"]).is_err());
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::writer::{Failure, LIMIT, Report, Sink, Wanted, Writer};
 use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
-use tdem_engine::{Capture, Fault, Ledger, Schedule, Simulation};
+use tdem_engine::{Capture, Fault, Ledger, Schedule, Simulation, Turns};
 use thiserror::Error;
 
 /// How a run is getting on.
@@ -33,6 +33,8 @@ pub struct Progress {
     pub ledger: Ledger,
     /// The step they belong to.
     pub ledger_step: u64,
+    /// What heat and motion took since the simulation was opened, where they take turns.
+    pub turns: Option<Turns>,
 }
 
 /// What an observer asks for.
@@ -141,13 +143,37 @@ fn run_into(
         directory.forget_end(step, frame, row)?;
     }
     let last_checkpoint = directory.last_checkpoint();
-    let outcome = carry_on(simulation, directory, last_checkpoint, schedule, observer)?;
+    let mut witness = Witness { observer, turns: None };
+    let outcome = carry_on(simulation, directory, last_checkpoint, schedule, &mut witness)?;
     directory.publish()?;
+    if let Some(turns) = witness.turns.filter(|turns| turns.unrelaxed > 0) {
+        directory.log(&format!(
+            "particles were not at rest behind {} steps of the heat, the last of them step {}; the ratio of forces was up \
+             to {:.3e}",
+            turns.unrelaxed, turns.last_unrelaxed, turns.largest_ratio
+        ))?;
+    }
     directory.log(&match outcome {
         Outcome::Finished { step } => format!("finished at step {step}"),
         Outcome::Interrupted { step } => format!("interrupted at step {step}"),
     })?;
     Ok(outcome)
+}
+
+/// Passes on what an observer is told, and remembers what the log will say.
+struct Witness<'a> {
+    observer: &'a mut dyn Observer,
+    turns: Option<Turns>,
+}
+
+impl Observer for Witness<'_> {
+    fn progress(&mut self, progress: &Progress) -> Control {
+        self.turns = progress.turns;
+        self.observer.progress(progress)
+    }
+    fn note(&mut self, note: &Note) {
+        self.observer.note(note);
+    }
 }
 
 /// Runs a simulation beside the thread that writes. When it returns, all that was taken is written, or the writing
@@ -356,6 +382,7 @@ impl<'a, 'scope> Session<'a, 'scope> {
             time_left: rate.time_for(left),
             ledger: self.ledger,
             ledger_step: self.ledger_step,
+            turns: self.simulation.turns(),
         };
         let control = self.observer.progress(&progress);
         self.observed = Instant::now();

@@ -7,7 +7,9 @@ mod common;
 use common::{Watcher, assert_same_results, results, run_new, run_on, schedule, simulation, state};
 use std::fs;
 use std::time::Duration;
-use tdem_engine::{Ledger, Schedule};
+use tdem_engine::cpu::Options;
+use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::{Exposure, HeatPlan, Ledger, Motion, Relaxation, Schedule, Scheme, Simulation, Thermal};
 use tdem_results::session::run;
 use tdem_results::{Control, Note, Observer, Outcome, Progress, Row, RunDirectory, RunError, load_final_state};
 
@@ -75,6 +77,41 @@ fn a_run_that_was_interrupted_and_resumed_is_the_same_to_the_last_byte() {
     assert_same_results(straight.path(), broken.path());
     let hashes = [&straight, &broken].map(|run| load_final_state(run.path()).unwrap().state.hash());
     assert_eq!(hashes[0], hashes[1]);
+}
+
+#[test]
+fn the_log_says_where_heat_went_on_before_particles_were_at_rest() {
+    let (mut state, mut plan) = common::bonded();
+    let count = state.len();
+    state.velocity.fill([0.0; 3]);
+    (state.temperature, state.heat_rate, state.exposure) = (vec![300.0; count], vec![0.0; count], vec![0; count]);
+    plan.walls.iter_mut().for_each(|wall| wall.velocity = [0.0; 3]);
+    let relaxation =
+        Relaxation { scheme: Scheme::Implicit, dt: plan.dt, ratio: 1e-9, at_most_steps: 10, check_every: 10 };
+    plan.dt = 60.0;
+    plan.heat = Some(HeatPlan {
+        time_scale: 1.0,
+        reference_temperature: 300.0,
+        materials: vec![Thermal { specific_heat: 900.0, expansion: 0.0 }],
+        conductors: vec![Conductor { conductivity: 1.5, section: 0.35 }],
+        contacts: Path::Bar,
+        exposures: vec![Exposure::default()],
+        walls: vec![None; plan.walls.len()],
+        motion: Motion::QuasiStatic(relaxation),
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let mut directory = RunDirectory::create(folder.path(), "# a test\n", false).unwrap();
+    directory.set_contents(common::contents());
+    let simulation = Simulation::new(state, plan, Options::default()).unwrap();
+    let mut watcher = Watcher::default();
+    run(simulation, &mut directory, &Schedule { steps: 4, ..schedule(4) }, &mut watcher).unwrap();
+    let turns = watcher.seen.last().and_then(|progress| progress.turns).unwrap();
+    assert_eq!((turns.unrelaxed, turns.last_unrelaxed, turns.motion_steps), (4, 4, 40));
+    let log = fs::read_to_string(folder.path().join("log.txt")).unwrap();
+    assert!(log.contains("particles were not at rest behind 4 steps of the heat, the last of them step 4"), "{log}");
+    // Time is that of the heat.
+    let frames = tdem_results::info(folder.path()).unwrap().frames;
+    assert_eq!(frames.last().map(|frame| (frame.step, frame.time)), Some((4, 240.0)));
 }
 
 /// Stops as soon as so many steps are done; the notes come at every frame, so it stops long before the end.

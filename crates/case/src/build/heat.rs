@@ -14,7 +14,7 @@ use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
 use tdem_engine::physics::heat::conduction::pair_conductivity;
 use tdem_engine::physics::heat::{Conductor, Path};
-use tdem_engine::{Course, HeatPlan, Thermal};
+use tdem_engine::{Course, HeatPlan, Motion, Thermal};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
 pub(super) fn of(
@@ -55,6 +55,7 @@ pub(super) fn of(
         },
         exposures,
         walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
+        motion: Motion::Stepped,
     };
     Some((plan, surfaces))
 }

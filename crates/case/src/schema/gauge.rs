@@ -1,5 +1,6 @@
 //! What is watched during a run, and what is drawn of it at the end.
 
+use super::course::Course;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,20 @@ pub struct Curve {
     /// Title of the vertical axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub y_title: Option<String>,
+    /// Other values that are drawn beside it, dashed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub against: Vec<Against>,
+}
+
+/// Values that a curve is drawn against: measured ones, or those of a formula.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Against {
+    /// What they are, for the key of the picture.
+    pub name: String,
+    /// Points [horizontal, vertical] in the units of the axes, or two columns of a table in a file, of which `time` is the
+    /// horizontal one.
+    pub values: Course,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]

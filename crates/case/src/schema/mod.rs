@@ -14,7 +14,7 @@ mod zone;
 
 pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
 pub use course::{Course, Measured};
-pub use gauge::{Curve, Gauge};
+pub use gauge::{Against, Curve, Gauge};
 pub use heat::{BarRadius, ContactPath, Convection, Depth, Heat, Radiation, Scale, Surface};
 pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,

@@ -8,14 +8,13 @@ use super::bonds::Bonds;
 use super::pieces::split;
 use super::predict::optional;
 use super::{CHUNK, Cpu};
-use crate::heat_accounts::{IN, OUT};
+use crate::heat::book;
 use crate::{Exposure, Fault, HeatPlan, Plan};
 use rayon::prelude::*;
-use tdem_physics::contact::encounter::radius_eff;
-use tdem_physics::contact::{Touch, touch_spheres, touch_wall};
-use tdem_physics::heat::conduction::{bar, circle, flow};
+use tdem_physics::contact::{touch_spheres, touch_wall};
+use tdem_physics::heat::Link;
+use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
 use tdem_physics::heat::warming::{grown, warmed};
-use tdem_physics::heat::{Conductor, Link, Path};
 
 /// What pairs conduct from the row's particle's side, W; room that is kept from step to step.
 #[derive(Default)]
@@ -33,7 +32,7 @@ impl Flows {
 impl Cpu {
     /// Temperatures and radii of the end of the step. The largest growth of a radius since the list was made, m.
     pub(super) fn warm_all(&mut self) -> Result<f64, Fault> {
-        let Some(heat) = &self.plan.heat else { return Ok(0.0) };
+        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return Ok(0.0) };
         let (step, time) = (self.plan.heat_step(), self.plan.heat_time(self.step));
         let prescribed: Vec<Option<f64>> = heat.exposures.iter().map(|e| value_of(e, time)).collect();
         let bodies = &mut self.bodies;
@@ -86,7 +85,7 @@ impl Cpu {
 
     /// Heat rates of all particles at their present temperatures.
     pub(super) fn conduct_all(&mut self) {
-        let Some(heat) = &self.plan.heat else { return };
+        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return };
         let mut flows = std::mem::take(&mut self.flows);
         let n = self.bodies.len();
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
@@ -175,15 +174,6 @@ fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
     heat.exposures.iter().map(of_exposure).collect()
 }
 
-/// Books heat that came in, or left if it is negative, J.
-fn book(account: &mut [f64; 2], heat: f64) {
-    if heat > 0.0 {
-        account[IN] += heat;
-    } else {
-        account[OUT] -= heat;
-    }
-}
-
 /// What the conduction of heat looks at.
 struct Conduction<'a> {
     plan: &'a Plan,
@@ -200,8 +190,7 @@ impl Conduction<'_> {
         let (first, second) = (place(i).scalar(), place(j).scalar());
         let touch = touch_spheres(offset, first + second);
         let conductor = self.heat.conductor(self.bodies.material[i], self.bodies.material[j]);
-        let radius_eff = radius_eff(first, second);
-        let conductance = conductance(self.heat.contacts, conductor, first + second, radius_eff, &touch);
+        let conductance = between_spheres(self.heat.contacts, conductor, first, second, &touch);
         flow(conductance, self.bodies.temperature[i], self.bodies.temperature[j])
     }
     /// Whether a contact acts beside a bond that holds: then the bond alone conducts.
@@ -215,8 +204,7 @@ impl Conduction<'_> {
         let described = &self.plan.walls[wall];
         let touch = touch_wall(place.vector(), place.scalar(), position[wall].into(), described.normal.into());
         let conductor = self.heat.conductor(self.bodies.material[i], described.material);
-        let radius = place.scalar();
-        let conductance = conductance(self.heat.contacts, conductor, 2.0 * radius, radius, &touch);
+        let conductance = at_wall(self.heat.contacts, conductor, place.scalar(), &touch);
         flow(conductance, self.bodies.temperature[i], temperature)
     }
     /// Heat rate into the row's particle through a bond, W.
@@ -227,15 +215,6 @@ impl Conduction<'_> {
         let (i, j) = (self.bonds.owner[slot] as usize, self.bonds.other[slot] as usize);
         let link = link(self.heat, self.bodies, self.bonds, slot);
         flow(link.conductance, self.bodies.temperature[i], self.bodies.temperature[j])
-    }
-}
-
-/// Conductance of a contact, W/K.
-fn conductance(path: Path, conductor: &Conductor<f64>, radius_sum: f64, radius_eff: f64, touch: &Touch<f64>) -> f64 {
-    match path {
-        Path::Bar => bar(conductor, radius_sum, touch.distance),
-        Path::Circle if touch.overlap > 0.0 => circle(conductor.conductivity, radius_eff, touch.overlap),
-        Path::Closed | Path::Circle => 0.0,
     }
 }
 

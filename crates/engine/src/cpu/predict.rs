@@ -155,7 +155,7 @@ impl Cpu {
 }
 
 /// A field cut into chunks like the others; one empty slice per chunk where the plan does without it.
-pub(super) fn optional<T: Send>(
+pub(crate) fn optional<T: Send>(
     field: &mut [T],
 ) -> rayon::iter::Either<impl IndexedParallelIterator<Item = &mut [T]>, impl IndexedParallelIterator<Item = &mut [T]>> {
     if field.is_empty() {

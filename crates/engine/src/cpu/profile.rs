@@ -21,6 +21,7 @@ use super::{Cpu, List};
 use crate::profile::{COPY_BYTES, Timed, best_copy};
 use crate::step::step;
 use crate::{Fault, Integrator, Part, Profile, STAGES};
+use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
@@ -133,21 +134,19 @@ impl Cpu {
         let correct = sums + held + place + 2 * (size(&b.motion) + spin + size(&b.derivatives));
         [predict, search, bond, contact, gather, boundary, correct].map(|bytes| bytes as u64)
     }
+}
 
-    /// Bytes per second, read and written, when each thread copies one piece of a large array.
-    pub(super) fn copy_arrays(&self) -> Result<f64, Fault> {
-        let reals = COPY_BYTES / size_of::<f64>();
-        let piece = reals.div_ceil(self.pool.current_num_threads());
-        let (from, mut to) = (vec![1.0_f64; reals], vec![0.0_f64; reals]);
-        best_copy(COPY_BYTES, |copies| {
-            self.pool.install(|| {
-                for _ in 0..copies {
-                    to.par_chunks_mut(piece)
-                        .zip(from.par_chunks(piece))
-                        .for_each(|(to, from)| to.copy_from_slice(from));
-                }
-            });
-            Ok(())
-        })
-    }
+/// Bytes per second, read and written, when each thread copies one piece of a large array.
+pub(crate) fn copy_bandwidth(pool: &ThreadPool) -> Result<f64, Fault> {
+    let reals = COPY_BYTES / size_of::<f64>();
+    let piece = reals.div_ceil(pool.current_num_threads());
+    let (from, mut to) = (vec![1.0_f64; reals], vec![0.0_f64; reals]);
+    best_copy(COPY_BYTES, |copies| {
+        pool.install(|| {
+            for _ in 0..copies {
+                to.par_chunks_mut(piece).zip(from.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from));
+            }
+        });
+        Ok(())
+    })
 }

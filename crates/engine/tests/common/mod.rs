@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses some of the scenes")]
 
 pub(crate) mod bonded;
+pub(crate) mod heated;
 
 use tdem_engine::physics::contact::{Damping, Interaction, Law, damping::restitution_factor};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};

@@ -1,6 +1,8 @@
 //! What heat goes through: a bar between the centres, the circle of a contact, a bond.
 
 use crate::Real;
+use crate::contact::Touch;
+use crate::contact::encounter::radius_eff;
 
 /// How heat goes through a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +78,35 @@ pub fn bar<R: Real>(conductor: &Conductor<R>, radius_sum: R, length: R) -> R {
 #[inline(always)]
 pub fn circle<R: Real>(conductivity: R, radius_eff: R, overlap: R) -> R {
     R::lit(2.0) * conductivity * (radius_eff * overlap).sqrt()
+}
+
+/// Conductance of the contact of two spheres of radii $R_1, R_2$ (m), W/K.
+#[inline(always)]
+pub fn between_spheres<R: Real>(
+    path: Path,
+    conductor: &Conductor<R>,
+    first_radius: R,
+    second_radius: R,
+    touch: &Touch<R>,
+) -> R {
+    through_contact(path, conductor, first_radius + second_radius, radius_eff(first_radius, second_radius), touch)
+}
+
+/// Conductance of the contact of a sphere of radius $R$ (m) with a plane wall, W/K: the bar has $2R$ for the sum of radii
+/// and ends at the wall.
+#[inline(always)]
+pub fn at_wall<R: Real>(path: Path, conductor: &Conductor<R>, radius: R, touch: &Touch<R>) -> R {
+    through_contact(path, conductor, R::lit(2.0) * radius, radius, touch)
+}
+
+/// Conductance of bodies that touch, W/K.
+#[inline(always)]
+fn through_contact<R: Real>(path: Path, conductor: &Conductor<R>, radius_sum: R, radius_eff: R, touch: &Touch<R>) -> R {
+    match path {
+        Path::Closed => R::lit(0.0),
+        Path::Bar => bar(conductor, radius_sum, touch.distance),
+        Path::Circle => circle(conductor.conductivity, radius_eff, touch.overlap),
+    }
 }
 
 /// $Q = H(T_2 - T_1)$, the heat rate into the first body, W.

@@ -35,9 +35,28 @@ impl<R: Real> Exchange<R> {
         inward + self.radiated(temperature, outside)
     }
 
+    /// $-\partial Q/\partial T = G + g/(1 + g\,d/(\lambda A))$ with $g = 4\varepsilon\sigma A\,T_s^3$, W/K: how much
+    /// less heat comes in per kelvin of the particle.
+    #[inline(always)]
+    pub fn sensitivity(&self, temperature: R, outside: R) -> R {
+        let surface = self.surface_temperature(temperature, outside);
+        let radiating = R::lit(4.0) * self.radiation * (surface * surface * surface);
+        self.conductance + radiating / (R::lit(1.0) + self.resistance * radiating)
+    }
+
     /// $\varepsilon\sigma A(T_\infty^4 - T_s^4)$ with $T_s = T + Q\,d/(\lambda A)$.
     #[inline(always)]
     fn radiated(&self, temperature: R, outside: R) -> R {
+        let surface = self.surface_temperature(temperature, outside);
+        let square = outside * outside;
+        let surroundings = square * square;
+        let square = surface * surface;
+        self.radiation * (surroundings - square * square)
+    }
+
+    /// $T_s$ of a surface that radiates, K.
+    #[inline(always)]
+    fn surface_temperature(&self, temperature: R, outside: R) -> R {
         let square = outside * outside;
         let surroundings = square * square;
         let mut surface = temperature;
@@ -48,8 +67,7 @@ impl<R: Real> Exchange<R> {
             let slope = R::lit(1.0) + self.resistance * (R::lit(4.0) * self.radiation * cube);
             surface = surface - (surface - temperature - self.resistance * rate) / slope;
         }
-        let square = surface * surface;
-        self.radiation * (surroundings - square * square)
+        surface
     }
 }
 
@@ -77,6 +95,18 @@ mod tests {
             let expected = radiation * (fourth(outside) - fourth(surface));
             assert!((rate - expected).abs() <= 1e-10 * rate.abs(), "{rate} {expected}");
         }
+    }
+
+    #[test]
+    fn sensitivity_is_the_slope_of_the_heat_rate() {
+        let exchange = Exchange { conductance: 2e-3, radiation: 5e-12, resistance: 30.0, ..NONE };
+        for (inside, outside) in [(293.15, 1173.15), (1173.15, 293.15), (900.0, 900.0)] {
+            let rate = |temperature: f64| exchange.heat_rate(temperature, outside);
+            let slope = (rate(inside - 0.5) - rate(inside + 0.5)) / 1.0;
+            let sensitivity = exchange.sensitivity(inside, outside);
+            assert!((sensitivity / slope - 1.0).abs() < 1e-5, "{sensitivity} {slope}");
+        }
+        assert_eq!(Exchange { flux_area: 2e-3, ..NONE }.sensitivity(500.0, 1e4), 0.0);
     }
 
     #[test]

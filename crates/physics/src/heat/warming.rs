@@ -21,6 +21,20 @@ pub fn warmed<R: Real>(temperature: R, heat_rate: R, capacity: R, step: R) -> R 
     temperature + heat_rate * (step / capacity)
 }
 
+/// $\Delta t = mc/\sum H$, s: the longest explicit step in which a body is not carried beyond its neighbours.
+///
+/// | argument | symbol | unit |
+/// |---|---|---|
+/// | `capacity` | $mc$ | J/K |
+/// | `conductance` | $\sum H$, of all bonds, contacts, walls and surfaces | W/K |
+///
+/// # Returns
+/// Infinity for a body that is insulated.
+#[inline(always)]
+pub fn longest_step<R: Real>(capacity: R, conductance: R) -> R {
+    capacity / conductance
+}
+
 /// $R = R_0\,(1 + \alpha(T - T_0))$, m.
 ///
 /// | argument | symbol | unit |
@@ -39,6 +53,14 @@ pub fn grown<R: Real>(radius: R, expansion: R, warmth: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_step_of_the_longest_meets_the_neighbour() {
+        let step = longest_step(3.0, 2.0);
+        let rate = super::super::conduction::flow(2.0, 300.0, 400.0);
+        assert_eq!(warmed(300.0, rate, 3.0, step), 400.0);
+        assert_eq!(longest_step(3.0, 0.0), f64::INFINITY);
+    }
 
     #[test]
     fn two_bodies_keep_their_heat() {

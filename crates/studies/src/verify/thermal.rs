@@ -9,7 +9,7 @@ use super::scene::{HELD, Scene};
 use super::{Case, Tier};
 use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
 use tdem_engine::physics::heat::{Conductor, Exchange, Path};
-use tdem_engine::{Course, Exposure, HeatPlan, Thermal};
+use tdem_engine::{Course, Exposure, HeatPlan, Motion, Thermal};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -246,6 +246,7 @@ impl Scene {
             contacts,
             exposures: vec![Exposure::default()],
             walls: vec![None; self.plan.walls.len()],
+            motion: Motion::Stepped,
         };
         let n = self.state.len();
         self.state.temperature = vec![ROOM; n];

@@ -1,0 +1,176 @@
+//! What a case says of heat, as the engine gets it.
+
+use std::path::Path;
+use tdem_case::{Built, parse};
+use tdem_engine::Course;
+use tdem_engine::physics::heat::Path as ContactPath;
+use tdem_engine::physics::heat::conduction::{bar, face_centred_bar};
+
+const HEAD: &str = r#"
+model = "TBPM"
+gravity = [0.0, 0.0, 0.0]
+[time]
+end = 1.0e-2
+[domain]
+min = [-0.1, -0.1, -0.1]
+max = [0.2, 0.2, 0.2]
+[material.concrete]
+density = 3038.57
+young_modulus = 23.2e9
+poisson_ratio = 0.2
+thermal_conductivity = 1.5
+specific_heat = 900.0
+thermal_expansion = 1.0e-5
+[[interaction]]
+between = ["concrete", "concrete"]
+static_friction = 0.5
+dynamic_friction = 0.5
+normal_damping = 0.0
+tangential_damping = 0.0
+[[bond]]
+between = ["concrete", "concrete"]
+lattice = { young_modulus = 23.2e9, poisson_ratio = 0.2 }
+tensile_strength = "unbreakable"
+shear_strength = "unbreakable"
+[[particles]]
+name = "block"
+material = "concrete"
+lattice = { kind = "fcc", radius = 0.005, cells = [3, 3, 3], origin = [0.0, 0.0, 0.0] }
+"#;
+
+const HEAT: &str = r#"
+[heat]
+scale = "celsius"
+initial_temperature = 20.0
+contacts = "bar"
+bar_radius = "fcc"
+"#;
+
+fn build(tail: &str) -> Built {
+    let text = format!("{HEAD}{tail}");
+    let loaded = parse("case.toml", &text, Path::new(env!("CARGO_MANIFEST_DIR")), &[]).expect("the text is right");
+    loaded.build().expect("the case can be built")
+}
+
+/// Lattice constant, m.
+fn constant() -> f64 {
+    2.0 * std::f64::consts::SQRT_2 * 0.005
+}
+
+#[test]
+fn particles_begin_as_warm_as_the_case_says() {
+    let built = build(&format!("temperature = 120.0\n{HEAT}"));
+    assert_eq!(built.state.temperature.len(), built.state.len());
+    let heat = built.plan.heat.as_ref().expect("the plan has heat");
+    assert!(built.state.temperature.iter().all(|t| (t - 393.15).abs() < 1e-12));
+    assert!((heat.reference_temperature - 293.15).abs() < 1e-12);
+    assert_eq!(heat.time_scale, 1.0);
+    assert_eq!(heat.contacts, ContactPath::Bar);
+    // Warmer than where radii are as given by 100 K.
+    assert!(built.state.reference_radius.iter().all(|&radius| radius == 0.005));
+    assert!(built.state.radius.iter().all(|radius| (radius / 0.005 - 1.001).abs() < 1e-12));
+}
+
+#[test]
+fn bonds_conduct_like_the_solid() {
+    let built = build(&format!("{HEAT}open_sides = [3, 3]\n"));
+    let heat = built.plan.heat.as_ref().expect("the plan has heat");
+    let conductance = bar(heat.conductor(0, 0), 0.01, 0.01);
+    // 4 H / a is the conductivity of the bulk; 1/12 of the bonds are missing at each pair of sides.
+    let expected = 1.5 * constant() / 4.0 / (1.0 - 2.0 / 12.0);
+    assert!((conductance / expected - 1.0).abs() < 1e-12, "{conductance} {expected}");
+    let section = std::f64::consts::FRAC_PI_4 * face_centred_bar(Some([3, 3])) * face_centred_bar(Some([3, 3]));
+    assert!((heat.conductor(0, 0).section / section - 1.0).abs() < 1e-12);
+    assert_eq!(heat.conductor(0, 1).conductivity, 0.0, "what is rigid conducts nothing");
+}
+
+#[test]
+fn time_of_heat_is_scaled_or_lasts() {
+    let scale = |tail: &str| build(&format!("{HEAT}{tail}")).plan.heat.expect("the plan has heat").time_scale;
+    assert_eq!(scale("time_scale = 3.0\n"), 3.0);
+    assert!((scale("duration = 0.5\n") / 50.0 - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_face_of_a_lattice_needs_no_area_and_no_depth() {
+    let built = build(&format!(
+        "{HEAT}[[surface]]\nface = \"+z\"\ntemperature = [[0.0, 20.0], [100.0, 900.0]]\n\
+         [[surface]]\nface = \"-z\"\nconvection = {{ coefficient = 10.0, temperature = 20.0 }}\n"
+    ));
+    let (state, heat) = (&built.state, built.plan.heat.as_ref().expect("the plan has heat"));
+    let highest = state.position.iter().map(|p| p[2]).fold(0.0, f64::max);
+    let (area, depth) = (0.5 * constant() * constant(), 0.25 * constant());
+    let mut counts = [0; 2];
+    for (k, place) in state.position.iter().enumerate() {
+        let exposure = &heat.exposures[usize::from(state.exposure[k])];
+        assert!(exposure.temperature.is_none(), "the surface is held, not the particle");
+        if place[2] > highest - 1e-6 {
+            counts[0] += 1;
+            let [(exchange, outside)] = exposure.exchanges.as_slice() else { panic!("one exchange") };
+            assert!((exchange.conductance / (area * 1.5 / depth) - 1.0).abs() < 1e-12);
+            assert_eq!(outside, &Course(vec![[0.0, 293.15], [100.0, 1173.15]]));
+        } else if place[2] < 1e-6 {
+            counts[1] += 1;
+            let [(exchange, _)] = exposure.exchanges.as_slice() else { panic!("one exchange") };
+            assert!((exchange.conductance / (area / (depth / 1.5 + 0.1)) - 1.0).abs() < 1e-12);
+        } else {
+            assert_eq!(state.exposure[k], 0, "insulated");
+        }
+    }
+    assert_eq!(counts, [18, 18]);
+}
+
+#[test]
+fn surfaces_add_up_where_they_meet() {
+    let built = build(&format!(
+        "{HEAT}[[surface]]\nof = \"block\"\nface = \"+z\"\narea = 1.8e-3\ndepth = 0.0\nflux = 1000.0\n\
+         [[surface]]\nface = \"+x\"\nradiation = {{ emissivity = 0.9, temperature = 900.0 }}\n"
+    ));
+    let (state, heat) = (&built.state, built.plan.heat.as_ref().expect("the plan has heat"));
+    let corner = (0..state.len()).max_by(|&a, &b| {
+        let height = |k: usize| state.position[k][0] + state.position[k][2];
+        height(a).total_cmp(&height(b))
+    });
+    let exposure = &heat.exposures[usize::from(state.exposure[corner.expect("there are particles")])];
+    let [(flux, entering), (radiation, outside)] = exposure.exchanges.as_slice() else { panic!("two exchanges") };
+    assert!((flux.flux_area / 1e-4 - 1.0).abs() < 1e-12, "18 particles share 1.8e-3 m²");
+    assert_eq!(entering, &Course(vec![[0.0, 1000.0]]));
+    let area = 0.5 * constant() * constant();
+    assert!((radiation.radiation / (0.9 * 5.670_374_419e-8 * area) - 1.0).abs() < 1e-12);
+    assert!((radiation.resistance / (0.25 * constant() / (1.5 * area)) - 1.0).abs() < 1e-12);
+    assert_eq!(outside, &Course(vec![[0.0, 1173.15]]));
+}
+
+#[test]
+fn particles_may_be_held_as_the_paper_does() {
+    let built = build(&format!("{HEAT}[[surface]]\nface = \"+z\"\ndepth = 0.0\ntemperature = 900.0\n"));
+    let heat = built.plan.heat.expect("the plan has heat");
+    let held = heat.exposures.iter().find_map(|exposure| exposure.temperature.clone());
+    assert_eq!(held, Some(Course(vec![[0.0, 1173.15]])));
+}
+
+#[test]
+fn what_was_measured_is_read_from_a_table() {
+    let tail = "[[surface]]\nface = \"+z\"\n\
+                temperature = { file = \"tests/bad/measured.csv\", time = \"t\", value = \"temperature\", time_factor = 60.0 }\n";
+    let built = build(&format!("{HEAT}{tail}"));
+    let heat = built.plan.heat.expect("the plan has heat");
+    let courses: Vec<_> = heat.exposures.iter().flat_map(|e| &e.exchanges).map(|(_, outside)| outside).collect();
+    assert_eq!(courses, [&Course(vec![[0.0, 293.15], [600.0, 303.15]])]);
+}
+
+#[test]
+fn the_step_is_limited_by_conduction() {
+    let built = build(&format!(
+        "{HEAT}time_scale = 1.0e6\n[[surface]]\nface = \"+z\"\ntemperature = [[0.0, 20.0], [1.0e5, 900.0]]\n"
+    ));
+    let find = |name: &str| built.limits.limits.iter().find(|limit| limit.name == name).map(|limit| limit.seconds);
+    let state = &built.state;
+    let capacity = state.mass[0] * 900.0;
+    let conductance = 1.5 * constant() / 4.0;
+    // Particles of the highest layer: 8 bonds, and a face at the temperature of the surface, which counts as 8 more.
+    let expected = capacity / (16.0 * conductance) / 1e6;
+    let found = find("conduction of heat").expect("the heat limits the step");
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    assert!((find("the heat of one particle").expect("it does") / (2.0 * expected) - 1.0).abs() < 1e-9);
+}

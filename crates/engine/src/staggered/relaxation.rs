@@ -1,0 +1,119 @@
+//! The motion's turn: particles move, while no heat flows, until they are at rest.
+
+use super::Staggered;
+use crate::ledger::{Imbalance, sum};
+use crate::{Exposure, Fault, HeatPlan, Motion, Plan, Relaxation, State};
+use std::sync::Arc;
+use tdem_physics::heat::Path;
+use tdem_physics::heat::warming::grown;
+
+/// How much warmer bonds are thought to become to say which forces are small, K.
+const WARMTH: f64 = 1.0;
+
+/// A plan of the motion alone: temperatures are there, because bodies expand, but no heat flows. Where nothing moves a step
+/// takes no time.
+pub(super) fn without_heat(plan: &Plan) -> Plan {
+    let still = |heat: &HeatPlan| HeatPlan {
+        time_scale: 0.0,
+        contacts: Path::Closed,
+        exposures: vec![Exposure::default(); heat.exposures.len()],
+        walls: vec![None; heat.walls.len()],
+        motion: Motion::Stepped,
+        ..heat.clone()
+    };
+    let dt = relaxation(plan).map_or(0.0, |relaxation| relaxation.dt);
+    Plan { dt, heat: plan.heat.as_ref().map(still), gauges: Vec::new(), ..plan.clone() }
+}
+
+/// How particles come to rest; `None` where nothing moves.
+fn relaxation(plan: &Plan) -> Option<Relaxation> {
+    match plan.heat.as_ref()?.motion {
+        Motion::QuasiStatic(relaxation) => Some(relaxation),
+        Motion::Stepped | Motion::Frozen(_) => None,
+    }
+}
+
+impl Staggered {
+    /// Lets particles move until they are at rest under the present temperatures. Whether anything may have moved.
+    ///
+    /// The back end is opened anew: it goes on from a state to the same bits as if it had never been closed.
+    pub(super) fn relax(&mut self) -> Result<bool, Fault> {
+        let Some(relaxation) = relaxation(&self.plan) else { return Ok(false) };
+        let mut plan = without_heat(&self.plan);
+        let begun = self.state.step;
+        let mut state = std::mem::take(&mut self.state);
+        let (temperature, heat_accounts) = (state.temperature.clone(), std::mem::take(&mut state.heat_accounts));
+        let shrunk = grow(&mut state, &plan);
+        // Pairs that touched are listed although they have shrunk: the contact stage closes their histories.
+        plan.search.skin = plan.search.skin.max(2.001 * shrunk);
+        let pool = Arc::clone(&self.pool);
+        let small = pool.install(|| thermal_force(&state, &plan));
+        let mut broken = state.bonds.iter().filter(|bond| !bond.holds()).count();
+        let fault = |fault: Fault| fault.at(begun + 1, self.plan.time(begun + 1));
+        let mut motion = self.device.open(state, &plan).map_err(fault)?;
+        let mut taken = 0;
+        self.state = loop {
+            let steps = relaxation.check_every.min(relaxation.at_most_steps - taken);
+            motion.advance(steps).map_err(fault)?;
+            self.turns.motion_steps += steps;
+            taken += steps;
+            let state = motion.capture()?.state()?;
+            let now = state.bonds.iter().filter(|bond| !bond.holds()).count();
+            if now > broken {
+                (broken, taken) = (now, 0);
+                continue;
+            }
+            let ratio = pool.install(|| Imbalance::of(&state, &plan)).ratio(small);
+            if ratio <= relaxation.ratio {
+                break state;
+            }
+            if taken >= relaxation.at_most_steps {
+                self.turns.unrelaxed += 1;
+                self.turns.last_unrelaxed = begun + 1;
+                self.turns.largest_ratio = self.turns.largest_ratio.max(ratio);
+                break state;
+            }
+        };
+        self.searches += motion.searches();
+        self.motion_bytes = motion.bytes();
+        // Whatever broke, did so in this step of the heat.
+        for breakage in self.state.bonds.iter_mut().filter_map(|bond| bond.breakage.as_mut()) {
+            breakage.step = breakage.step.min(begun + 1);
+        }
+        self.state.step = begun;
+        (self.state.temperature, self.state.heat_accounts) = (temperature, heat_accounts);
+        Ok(true)
+    }
+}
+
+/// Lets radii follow temperatures. By how much a radius shrank at most, m.
+fn grow(state: &mut State, plan: &Plan) -> f64 {
+    let Some(heat) = plan.heat.as_ref().filter(|heat| heat.expands()) else { return 0.0 };
+    let mut shrunk = 0.0_f64;
+    for i in 0..state.len() {
+        let warmth = state.temperature[i] - heat.reference_temperature;
+        let radius = grown(state.reference_radius[i], heat.expansion(state.material[i]), warmth);
+        shrunk = shrunk.max(state.radius[i] - radius);
+        state.radius[i] = radius;
+    }
+    shrunk
+}
+
+/// What bonds would bear, in the mean, if they were held and became a little warmer, N; 0 without bonds.
+fn thermal_force(state: &State, plan: &Plan) -> f64 {
+    let of_bond = |k: usize| {
+        let [i, j] = [state.bonds[k].first, state.bonds[k].second].map(|id| state.index_of(id).unwrap_or(0));
+        let offset = state.bonded_offset(plan, i, j);
+        let length = offset.dot(offset).sqrt();
+        let force = (|| {
+            let joint = plan.joint(state.material[i], state.material[j])?;
+            let [first, second] = [i, j].map(|index| state.bonded_sphere(index));
+            let damping = plan.bonds.as_ref()?.law.damping;
+            let stiffness = joint.bond_of_spheres(damping, &first, &second, length, 1.0).stiffness.normal;
+            Some(stiffness * (state.link(plan, i, j, length)?.free_strain(WARMTH, WARMTH) * length).abs())
+        })();
+        [force.unwrap_or(0.0)]
+    };
+    let [force] = sum(state.bonds.len(), of_bond);
+    force / state.bonds.len().max(1) as f64
+}
