@@ -1,6 +1,8 @@
 //! What stands on the command line, and who answers it.
 
-use crate::{bench, calibrate, check, console, info, kernels, ladder, new, pack, picture, render, resume, run, shell, verify};
+use crate::{
+    bench, calibrate, check, console, info, kernels, ladder, new, pack, picture, render, resume, run, shell, verify,
+};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 

@@ -7,8 +7,19 @@ use tdem_studies::ladder::{Difference, Ladder, Outcome, Pair};
 
 /// Columns of a pair. "and" is the finer of its two rungs.
 const COLUMNS: [&str; 13] = [
-    "heat s", "T rms K", "T most K", "order", "p rms Pa", "p most Pa", "p of Pa", "order", "broken", "and", "in one",
-    "kinetic", "and",
+    "heat s",
+    "T rms K",
+    "T most K",
+    "order",
+    "p rms Pa",
+    "p most Pa",
+    "p of Pa",
+    "order",
+    "broken",
+    "and",
+    "in one",
+    "kinetic",
+    "and",
 ];
 const LEGEND: &str = "\
 Each run against the next at equal times of the heat. T: differences of the temperatures of particles; p: of their mean
@@ -29,7 +40,8 @@ pub(crate) fn text(ladder: &Ladder) -> String {
 
 /// A document in Markdown.
 pub(crate) fn markdown(title: &str, source: &str, ladder: &Ladder) -> String {
-    let mut text = format!("# The price of acceleration: {title}\n\n`{source}`, tdem {}\n\n", env!("CARGO_PKG_VERSION"));
+    let mut text =
+        format!("# The price of acceleration: {title}\n\n`{source}`, tdem {}\n\n", env!("CARGO_PKG_VERSION"));
     for verdict in verdicts(ladder) {
         let _ = writeln!(text, "- {verdict}");
     }

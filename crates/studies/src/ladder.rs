@@ -35,7 +35,9 @@ pub enum Error {
         time_scale: f64,
     },
     /// Rungs would go on below the pace of nature.
-    #[error("on the last of {rungs} rungs heat would go {lowest} times as fast as motion, slower than it does by itself")]
+    #[error(
+        "on the last of {rungs} rungs heat would go {lowest} times as fast as motion, slower than it does by itself"
+    )]
     TooManyRungs {
         /// How many were asked for.
         rungs: u32,
