@@ -12,9 +12,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-use tdem_case::Loaded;
+use tdem_case::{Loaded, Memory};
 use tdem_engine::{Plan, Simulation, State};
-use tdem_studies::ladder::{Error, Progress, Rung, climb, rungs, step_seconds};
+use tdem_studies::ladder::{Error, Progress, Rung, climb, kept_bytes, rungs, step_seconds};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -78,14 +78,16 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let rungs = rungs(&loaded, arguments.rungs, &cases::run).map_err(report)?;
     let first = &rungs[0].built;
     render::warn(&Reports::from(&first.warnings));
-    memory::warn(&first.memory);
+    let needed = first.memory.run_bytes + kept_bytes(&rungs, arguments.instants);
+    memory::warn(&Memory { run_bytes: needed, ..first.memory });
     fs::create_dir_all(&out).map_err(|error| files::refused(&out, &error))?;
     files::try_to_write(&table)?;
     files::try_to_write(&document)?;
     let start = |state: State, plan: Plan| Simulation::new(state, plan, &device.device);
     if !arguments.quiet {
         let step = step_seconds(&rungs[0], TRIAL, start).map_err(report)?;
-        say(before(&loaded, &rungs, step, &device.name, &out));
+        let machine = entry("device", &device.name) + entry("results in", argument(&out)).trim_end();
+        say(before(&loaded, &rungs, step, needed) + &machine);
     }
     let mut meter = Meter::new(arguments.quiet);
     let climbed = climb(rungs, arguments.instants, start, &mut |progress: &Progress<'_>| {
@@ -110,7 +112,7 @@ fn default_directory(case: &Path) -> PathBuf {
 }
 
 /// What is about to run, and how long it will take.
-fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, device: &str, out: &Path) -> String {
+fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, needed: u64) -> String {
     let (case, first) = (&loaded.case, &rungs[0].built);
     let steps: Vec<u64> = rungs.iter().map(|rung| rung.built.schedule.steps).collect();
     let listed = |cells: Vec<String>| cells.join(", ");
@@ -120,12 +122,10 @@ fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, device: &str, out:
     text += &entry("heat", format!("{} s, {scales} times as fast as motion", short(rungs[0].heat_end())));
     text += &entry("step", summary::step(first));
     text += &entry("steps", listed(steps.iter().map(|&steps| grouped(steps)).collect()));
-    text += &entry("memory", format!("about {}", bytes(first.memory.run_bytes)));
-    text += &entry("device", device);
+    text += &entry("memory", format!("about {}", bytes(needed)));
     let all = step_seconds * steps.iter().sum::<u64>() as f64;
     let time = Duration::try_from_secs_f64(all).unwrap_or(Duration::MAX);
-    text += &entry("time", format!("about {}, by the first steps", clock(time)));
-    text + entry("results in", argument(out)).trim_end()
+    text + &entry("time", format!("about {}, by the first steps", clock(time)))
 }
 
 /// What matters, the most wanted first.

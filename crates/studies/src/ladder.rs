@@ -7,13 +7,13 @@
 //! halves from rung to rung (first order), the first of the two is off by $2d$ and the second by $d$ from a run without
 //! acceleration.
 //!
-//! [`rungs`] makes the rungs of a case, [`climb`] runs and compares them. What compares does not ask how rungs came about.
+//! [`rungs()`] makes the rungs of a case, [`climb()`] runs and compares them. What compares does not ask how rungs came about.
 
 mod climb;
 mod compare;
 mod rung;
 
-pub use climb::{Ladder, Outcome, Progress, climb, step_seconds};
+pub use climb::{Ladder, Outcome, Progress, climb, kept_bytes, step_seconds};
 pub use compare::{Difference, Pair, Spread};
 pub use rung::{Rung, rungs};
 

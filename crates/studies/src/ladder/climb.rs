@@ -63,7 +63,7 @@ pub struct Progress<'a> {
 /// simulation of a state and a plan, `watch` is told several times a second how it goes.
 ///
 /// Instants end steps of the first rung; with rungs from [`super::rungs`] they end steps of all, and times are equal to the
-/// last bit. Two rungs are kept at a time, 16 bytes per particle and instant, 8 per bond.
+/// last bit. [`kept_bytes`] says how much memory it takes beside the run.
 ///
 /// # Errors
 /// [`Error::Different`], [`Error::Fault`].
@@ -92,6 +92,19 @@ pub fn climb(
         before = Some(track);
     }
     Ok(ladder)
+}
+
+/// Memory that a climb takes beside that of one run, bytes: what is compared, of two rungs at a time, and the states of rungs
+/// that have not begun.
+#[must_use]
+pub fn kept_bytes(rungs: &[Rung], parts: u32) -> u64 {
+    let of_instant = 2 * size_of::<f64>() as u64;
+    let compared = rungs.iter().take(2).map(|rung| {
+        let state = &rung.built.state;
+        of_instant * u64::from(parts) * state.len() as u64 + (size_of::<Option<u64>>() * state.bonds.len()) as u64
+    });
+    let waiting = rungs.iter().skip(1).map(|rung| rung.built.memory.state_bytes);
+    compared.sum::<u64>() + waiting.sum::<u64>()
 }
 
 /// How long a step of a rung takes on the clock, s: some steps of a copy of it, for about so long.
