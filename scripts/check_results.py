@@ -160,6 +160,17 @@ def check_physics(findings, frame, row):
         findings.check(not wrong.any(), f"{where}: {wrong.sum()} contact lines are not as long as their spheres ask")
 
 
+def check_heat(findings, frame, row):
+    """Temperatures against the row of the history of the same step."""
+    where = f"step {frame['step']}"
+    temperature = frame["blocks"]["particles"]["point"]["temperature"].astype(float)
+    scale = row["highest_temperature"]
+    for found, name in [(temperature.min(), "lowest"), (temperature.mean(), "mean"), (temperature.max(), "highest")]:
+        findings.close(found, row[f"{name}_temperature"], scale, f"{where}: {name} temperature")
+    moved = abs(row["heat_in"]) + abs(row["heat_out"])
+    findings.check(abs(row["heat_error"]) <= 1e-9 * moved + 1e-12, f"{where}: {row['heat_error']} J of heat are unexplained")
+
+
 def check_bonds(findings, frame, row):
     """Bonds, cracks and what they say of particles, against each other and the row of the history of the same step."""
     where = f"step {frame['step']}"
@@ -260,6 +271,8 @@ def check_run(findings, run):
         check_single_frame(findings, frame)
         if frame["step"] in history:
             check_physics(findings, frame, history[frame["step"]])
+            if "heat_time" in history[frame["step"]]:
+                check_heat(findings, frame, history[frame["step"]])
             if "cracks" in frame["blocks"]:
                 check_bonds(findings, frame, history[frame["step"]])
     check_displacement(findings, frames)

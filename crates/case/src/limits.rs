@@ -3,7 +3,7 @@
 use crate::build::{Context, Vibration, Warming};
 use crate::load::Loaded;
 use crate::problem::{Label, Problem, number};
-use crate::schema::{Damping, Integrator, Model, Step};
+use crate::schema::{Damping, Integrator, Model, Motion, Step};
 use std::ops::Range;
 use tdem_engine::physics::contact::Interaction;
 use tdem_engine::physics::material::young_modulus_eff;
@@ -161,11 +161,12 @@ impl StepLimits {
         interactions: &[Interaction<f64>],
         fastest: &Fastest<'_>,
     ) -> Self {
+        let motion = context.loaded.case.heat.as_ref().map_or(Motion::Scaled, |heat| heat.motion);
         let mut limits = Finder { context, found, limits: Vec::new() };
         if let Some(vibration) = fastest.vibration {
             limits.bonds(vibration, fastest.state);
         }
-        if let Some(warming) = fastest.warming {
+        if let Some(warming) = fastest.warming.filter(|_| motion == Motion::Scaled) {
             limits.heat(warming, fastest.state);
         }
         for material in (0..context.materials.len()).filter(|&m| found.counts[m] > 0) {

@@ -161,8 +161,9 @@ fn what_was_measured_is_read_from_a_table() {
 
 #[test]
 fn the_step_is_limited_by_conduction() {
+    let closed = HEAT.replace("contacts = \"bar\"", "contacts = \"closed\"");
     let built = build(&format!(
-        "{HEAT}time_scale = 1.0e6\n[[surface]]\nface = \"+z\"\ntemperature = [[0.0, 20.0], [1.0e5, 900.0]]\n"
+        "{closed}time_scale = 1.0e6\n[[surface]]\nface = \"+z\"\ntemperature = [[0.0, 20.0], [1.0e5, 900.0]]\n"
     ));
     let find = |name: &str| built.limits.limits.iter().find(|limit| limit.name == name).map(|limit| limit.seconds);
     let state = &built.state;

@@ -149,7 +149,8 @@ fn report(error: Error) -> Reports {
         Error::NoHeat => ("tdem::ladder::no-heat", "a case with a table [heat] is needed, such as cases/heating.toml"),
         Error::NotAccelerated { .. } => (
             "tdem::ladder::not-accelerated",
-            "give the heat a `time_scale` above 1, or a `duration` longer than time.end",
+            "give the heat a `time_scale` above 1, or a `duration` longer than time.end; heat with particles that are \
+             \"frozen\" or \"quasi-static\" has its own time, and nothing is accelerated",
         ),
         Error::TooManyRungs { .. } => ("tdem::ladder::too-many-rungs", "ask for fewer with --rungs"),
         Error::FollowsMotion { .. } => (

@@ -216,7 +216,6 @@ fn fault_code(fault: &Fault) -> &'static str {
         Fault::Escaped { .. } => "tdem::run::escaped",
         Fault::Temperature { .. } => "tdem::run::temperature",
         Fault::Conduction { .. } => "tdem::run::conduction",
-        Fault::NoHeat => "tdem::device::no-heat",
         Fault::Overlap { .. } => "tdem::run::overlap",
         Fault::ListOverflow { .. } => "tdem::run::list-overflow",
         Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",

@@ -77,7 +77,7 @@ impl State {
         let reaction = match law.form {
             Form::Total => {
                 let [first_orientation, second_orientation] = [i, j].map(|k| quaternion(self.orientation[k]));
-                let free_strain = self.free_strain(plan, i, j, bonded_length);
+                let free_strain = self.free_strain(plan, i, j);
                 let posture = Posture { bonded_offset, first_orientation, second_orientation, free_strain };
                 bond::respond_total(law.damping, &ends, &posture, &numbers)
             }
@@ -149,10 +149,10 @@ impl State {
         Sphere { radius: self.bonded_radius(index), ..self.sphere(index) }
     }
     /// Strain that a bond takes up without force.
-    fn free_strain(&self, plan: &Plan, first: usize, second: usize, bonded_length: f64) -> f64 {
+    fn free_strain(&self, plan: &Plan, first: usize, second: usize) -> f64 {
         let Some(heat) = plan.heat.as_ref().filter(|heat| heat.expands()) else { return 0.0 };
         let [first_warmth, second_warmth] = [first, second].map(|k| self.temperature[k] - heat.reference_temperature);
-        let link = self.link(plan, first, second, bonded_length);
+        let link = self.link(plan, first, second);
         link.map_or(0.0, |link| link.free_strain(first_warmth, second_warmth))
     }
 }

@@ -44,9 +44,6 @@ pub enum Fault {
         /// K.
         error: f64,
     },
-    /// Heat was asked of a device.
-    #[error("no device but the CPU computes heat so far")]
-    NoHeat,
     /// A particle left the domain in a direction that does not repeat.
     #[error("particle {particle} left the domain at step {step} (t = {time:.6e} s): it is at {position:?} m")]
     Escaped {
@@ -123,11 +120,7 @@ impl Fault {
             | Fault::Escaped { step, time, .. }
             | Fault::Overlap { step, time, .. } => (*step, *time) = (now, clock),
             Fault::ListOverflow { step, .. } => *step = now,
-            Fault::NoHeat
-            | Fault::BoxTooSmall { .. }
-            | Fault::Threads { .. }
-            | Fault::Inconsistent { .. }
-            | Fault::Device(_) => {}
+            Fault::BoxTooSmall { .. } | Fault::Threads { .. } | Fault::Inconsistent { .. } | Fault::Device(_) => {}
         }
         self
     }

@@ -5,6 +5,7 @@ mod bonds;
 mod cuda;
 mod devices;
 mod fault;
+mod heat;
 mod kernel_cache;
 mod layout;
 mod memory;
@@ -44,14 +45,12 @@ pub fn source(state: &State, plan: &Plan) -> String {
 pub fn bytes(plan: &Plan, particles: usize, pairs: usize, bonds: usize) -> usize {
     let [row, slot, kept] = search::bytes_each(plan);
     let [bonded, bond] = bonds::bytes_each(plan);
-    particles * (bodies::bytes_each(plan) + row + bonded) + pairs * (2 * slot + kept) + bonds * bond
+    let [warm, _] = heat::bytes_each(plan);
+    particles * (bodies::bytes_each(plan) + row + bonded + warm) + pairs * (2 * slot + kept) + bonds * bond
 }
 
 /// A back end on a device that holds a validated state.
 pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
-    if plan.heat.is_some() {
-        return Err(Fault::NoHeat);
-    }
     Ok(match api {
         Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),
         Api::Cuda => Box::new(Gpu::new(devices::open_cuda(index)?, state, plan)?),

@@ -1,6 +1,6 @@
 //! Heat as a plan describes it.
 
-use crate::plan::value_at;
+use crate::plan::{Piece, pieces, value_at};
 use crate::{Fault, Motion, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::heat::{Conductor, Exchange, Link, Path};
@@ -47,6 +47,9 @@ impl Course {
     pub fn value(&self, time: f64) -> f64 {
         value_at(&self.0, time)
     }
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Piece> {
+        pieces(&self.0)
+    }
     /// Whether it says something, in the order of time, and nothing else but finite numbers.
     fn is_sound(&self) -> bool {
         !self.0.is_empty()
@@ -92,6 +95,10 @@ impl HeatPlan {
     pub(crate) fn flows(&self) -> bool {
         self.time_scale > 0.0
     }
+    /// Whether any exposure lets heat in or out.
+    pub(crate) fn exposes(&self) -> bool {
+        self.exposures.iter().any(|exposure| *exposure != Exposure::default())
+    }
     /// Whether any material grows.
     #[must_use]
     pub fn expands(&self) -> bool {
@@ -102,10 +109,10 @@ impl HeatPlan {
     pub fn expansion(&self, material: u16) -> f64 {
         self.materials[usize::from(material)].expansion
     }
-    /// What a bond is to heat, from materials, radii (m) and length (m) at bonding.
-    pub(crate) fn link(&self, materials: [u16; 2], radii: [f64; 2], bonded_length: f64) -> Link<f64> {
+    /// What a bond is to heat, from materials and radii (m) at bonding.
+    pub(crate) fn link(&self, materials: [u16; 2], radii: [f64; 2]) -> Link<f64> {
         let expansions = materials.map(|material| self.expansion(material));
-        Link::between(self.conductor(materials[0], materials[1]), radii, expansions, bonded_length)
+        Link::between(self.conductor(materials[0], materials[1]), radii, expansions)
     }
     fn is_sound(&self, plan: &Plan) -> bool {
         let not_negative = |number: f64| number.is_finite() && number >= 0.0;
@@ -134,11 +141,22 @@ impl HeatPlan {
     }
 }
 
+/// A table of [`State::alike_links`] with nothing going through pairs without bonds.
+pub(crate) fn filled(links: &[Option<Link<f64>>]) -> Vec<Link<f64>> {
+    let nothing = Link { conductance_length: 0.0, first_growth: 0.0, second_growth: 0.0 };
+    links.iter().map(|link| link.unwrap_or(nothing)).collect()
+}
+
 impl Plan {
     /// $S\,\Delta t$: the time of the heat in one step, s.
     #[must_use]
     pub fn heat_step(&self) -> f64 {
         self.heat.as_ref().map_or(0.0, |heat| heat.time_scale * self.dt)
+    }
+    /// Time in the middle of the step of the heat that follows so many others, s.
+    #[must_use]
+    pub fn heat_middle(&self, step: u64) -> f64 {
+        0.5 * (self.heat_time(step) + self.heat_time(step + 1))
     }
     /// Whether radii and bonds follow temperatures.
     #[must_use]
@@ -159,33 +177,30 @@ impl State {
         self.reference_radius.get(index).map_or(self.radius[index], |&radius| radius)
     }
 
-    /// What a bond is to heat, from indices of particles and its length at bonding; `None` without heat.
-    pub(crate) fn link(&self, plan: &Plan, first: usize, second: usize, bonded_length: f64) -> Option<Link<f64>> {
+    /// What a bond is to heat, from indices of particles; `None` without heat.
+    pub(crate) fn link(&self, plan: &Plan, first: usize, second: usize) -> Option<Link<f64>> {
         let heat = plan.heat.as_ref()?;
         let materials = [first, second].map(|index| self.material[index]);
         let radii = [first, second].map(|index| self.bonded_radius(index));
-        Some(heat.link(materials, radii, bonded_length))
+        Some(heat.link(materials, radii))
     }
 
     /// Links of the bonds of each pair of materials, `(materials, materials)`, row by row, if nothing else decides about
-    /// them; nothing goes through pairs without bonds.
-    pub(crate) fn alike_links(&self, plan: &Plan) -> Option<Vec<Link<f64>>> {
+    /// them; `None` of pairs without bonds.
+    pub(crate) fn alike_links(&self, plan: &Plan) -> Option<Vec<Option<Link<f64>>>> {
         plan.heat.as_ref()?;
-        let nothing = Link { conductance: 0.0, first_growth: 0.0, second_growth: 0.0 };
         let mut table: Vec<Option<Link<f64>>> = vec![None; plan.materials * plan.materials];
         for bond in &self.bonds {
             let [i, j] = [bond.first, bond.second].map(|id| self.index_of(id).unwrap_or(0));
-            let offset = self.bonded_offset(plan, i, j);
-            let length = offset.dot(offset).sqrt();
             for (first, second) in [(i, j), (j, i)] {
-                let link = self.link(plan, first, second, length)?;
+                let link = self.link(plan, first, second)?;
                 let place = usize::from(self.material[first]) * plan.materials + usize::from(self.material[second]);
                 if *table[place].get_or_insert(link) != link {
                     return None;
                 }
             }
         }
-        Some(table.into_iter().map(|link| link.unwrap_or(nothing)).collect())
+        Some(table)
     }
 
     /// Checks that what belongs to heat is there exactly if the plan has heat.

@@ -77,8 +77,8 @@ impl Network {
         let bonds = edges(&state.bonds, |bond| {
             let (i, j) = (index(bond.first), index(bond.second));
             let offset = state.bonded_offset(plan, i, j);
-            let link = state.link(plan, i, j, offset.dot(offset).sqrt())?;
-            bond.holds().then_some(Edge { ends: [i as u32, j as u32], conductance: link.conductance })
+            let conductance = state.link(plan, i, j)?.conductance(offset.dot(offset).sqrt());
+            bond.holds().then_some(Edge { ends: [i as u32, j as u32], conductance })
         });
         let at_walls = state.wall_contacts.iter().filter_map(|contact| {
             let (i, wall) = (index(contact.particle), contact.wall as usize);

@@ -5,12 +5,17 @@
 mod common;
 
 use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
-use common::{DENSITY, scene, spheres};
+use common::heated::{EXPANSION, REFERENCE, heat_of, heated, warm_block, warm_cloud};
+use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{self, Cement, Form, Joint, Tension};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
-use tdem_engine::{BondPlan, Constraint, Device, Driven, Fault, Integrator, Plan, Ramp, Simulation, State};
+use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::{
+    BondPlan, Constraint, Course, Device, Driven, Exposure, Fault, Integrator, Motion, Plan, Ramp, Relaxation, Scheme,
+    Simulation, State,
+};
 
 const STEPS: u64 = 600;
 /// Bonds that store all they hold.
@@ -50,6 +55,10 @@ fn assert_same(found: &State, expected: &State, what: &str) {
     differ(what, "angular velocity", &found.angular_velocity, &expected.angular_velocity);
     differ(what, "force", &found.force, &expected.force);
     differ(what, "moment", &found.moment, &expected.moment);
+    differ(what, "temperature", &found.temperature, &expected.temperature);
+    differ(what, "heat rate", &found.heat_rate, &expected.heat_rate);
+    differ(what, "heat accounts", &found.heat_accounts, &expected.heat_accounts);
+    differ(what, "radius", &found.radius, &expected.radius);
     differ(what, "derivatives", &found.derivatives, &expected.derivatives);
     differ(what, "accounts", &found.accounts, &expected.accounts);
     differ(what, "image", &found.image, &expected.image);
@@ -198,6 +207,175 @@ fn a_bonded_run_moves_between_devices_while_bonds_break() {
     }
 }
 
+/// Unlike materials, surfaces, a warm floor, contacts, expansion, ledger: in every scheme of bonds.
+#[test]
+fn same_bits_with_heat_while_bonds_break() {
+    let dashpots = bond::Law { damping: bond::Damping::Viscous, ..ELASTIC };
+    let stored = bond::Law { form: Form::Incremental(Tension::Stored), ..dashpots };
+    let (verlet, gear) = (Integrator::VelocityVerlet, Integrator::Gear);
+    for (law, integrator, ledger, beside, path, expansion) in [
+        (ELASTIC, verlet, false, false, Path::Bar, EXPANSION),
+        (dashpots, verlet, true, true, Path::Circle, 0.0),
+        (dashpots, gear, true, false, Path::Bar, EXPANSION),
+        (stored, verlet, false, true, Path::Bar, 0.0),
+    ] {
+        let (state, mut plan) = warm_block(law, integrator, expansion);
+        plan.ledger = ledger;
+        heat_of(&mut plan).contacts = path;
+        plan.bonds.as_mut().expect("the plan has bonds").contact_in_bonded_pairs = beside;
+        assert!(tdem_engine::gpu::source(&state, &plan).contains("#define ALIKE_LINKS 0"));
+        let what = format!("heat, {law:?} {integrator:?} ledger {ledger} beside {beside} {path:?} {expansion}");
+        let end = both(&state, &plan, 500, &what);
+        assert!(broken(&end) > 20 && broken(&end) < end.bonds.len(), "{} bonds broke", broken(&end));
+    }
+}
+
+/// Where every step searches, each bond is evaluated once. Particles that cool part from those they touched.
+#[test]
+fn same_bits_with_heat_while_every_step_searches() {
+    for (law, integrator, ledger, expansion) in
+        [(ELASTIC, Integrator::VelocityVerlet, true, EXPANSION), (STORED, Integrator::Gear, false, 0.0)]
+    {
+        let (mut state, mut plan) = warm_block(law, integrator, expansion);
+        plan.ledger = ledger;
+        plan.search.every_step = true;
+        plan.search.skin = 0.0;
+        let cooling = Course(vec![[0.0, 500.0], [30.0, 250.0]]);
+        heat_of(&mut plan).exposures[2] = Exposure { temperature: Some(cooling), exchanges: Vec::new() };
+        state.exposure.iter_mut().skip(1).step_by(3).for_each(|exposure| *exposure = 2);
+        let end = both(&state, &plan, 300, &format!("heat, {law:?} {integrator:?} ledger {ledger}, every step"));
+        assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+    }
+}
+
+/// A lattice of one size: what bonds are to heat is the same for all, or for each pair of materials.
+#[test]
+fn same_bits_with_heat_through_bonds_that_are_alike() {
+    for (materials, expansion) in [(1, EXPANSION), (2, 0.0)] {
+        let cement = Cement { tensile_strength: 1e5, shear_strength: 1e5, ..CEMENT };
+        let joint = Joint { cement, ..JOINT };
+        let mut plan = free_space(ELASTIC, joint);
+        plan.ledger = false;
+        plan.materials = materials;
+        plan.interactions = vec![plan.interactions[0]; materials * materials];
+        plan.bonds = Some(BondPlan {
+            joints: vec![Some(joint); materials * materials],
+            ..plan.bonds.clone().expect("the plan has bonds")
+        });
+        let mut state = spheres(&lattice([6, 3, 3]), DENSITY);
+        bond_neighbours(&mut state, &plan);
+        heated(&mut state, &mut plan, expansion);
+        let heat = heat_of(&mut plan);
+        heat.contacts = Path::Closed;
+        heat.time_scale = 1e4;
+        for (k, conductor) in heat.conductors.iter_mut().enumerate() {
+            *conductor = Conductor { conductivity: [1.5, 2.1, 2.1, 3.5][k], section: 0.35 };
+        }
+        for i in 0..state.len() {
+            state.material[i] = (i % materials) as u16;
+            state.temperature[i] = REFERENCE + 300.0 * random(13, i as u64);
+            state.velocity[i][0] = 100.0 * state.position[i][0];
+        }
+        let kernels = tdem_engine::gpu::source(&state, &plan);
+        assert!(kernels.contains("#define ALIKE_LINKS 1"));
+        assert_eq!(kernels.contains("#define ONE_LINK 1"), materials == 1);
+        let end = both(&state, &plan, 300, &format!("heat, {materials} materials"));
+        assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
+    }
+}
+
+/// A colliding cloud between walls: contacts begin and end, sizes change, lists are made anew.
+#[test]
+fn same_bits_with_heat_through_contacts_and_on_the_way_between_devices() {
+    for ledger in [false, true] {
+        let (state, mut plan) = warm_cloud();
+        plan.ledger = ledger;
+        let end = both(&state, &plan, 400, &format!("warm cloud, ledger {ledger}"));
+        assert!(end.contacts.len() > 100 && end.wall_contacts.len() > 10, "the scene must be busy");
+        let mut moved = state;
+        for (device, steps) in [(gpu(), 1), (cpu(), 99), (gpu(), 100), (cpu(), 100), (gpu(), 100)] {
+            let taken = run(&moved, &plan, device, 0).expect("the state is taken up");
+            if moved.forces_known {
+                assert_same(&taken, &moved, "a state that is taken up and looked at is the same");
+            }
+            moved = run(&moved, &plan, device, steps).expect("it goes on");
+        }
+        assert_same(&moved, &end, &format!("warm cloud, moved, ledger {ledger}"));
+    }
+}
+
+/// Particles come to rest on the device after every step of the heat, in which they grow.
+#[test]
+fn same_bits_where_heat_and_motion_take_turns() {
+    let mut plan = free_space(ELASTIC, JOINT);
+    let mut state = spheres(&lattice([4, 2, 2]), DENSITY);
+    bond_neighbours(&mut state, &plan);
+    heated(&mut state, &mut plan, EXPANSION);
+    plan.bonds.as_mut().expect("the plan has bonds").local_damping = 0.5;
+    plan.dt = 5.0;
+    let heat = heat_of(&mut plan);
+    heat.time_scale = 1.0;
+    let (scheme, dt) = (Scheme::Explicit, 1e-5);
+    heat.motion = Motion::QuasiStatic(Relaxation { scheme, dt, ratio: 1e-2, at_most_steps: 300, check_every: 50 });
+    let course = Course(vec![[0.0, REFERENCE], [20.0, REFERENCE + 200.0]]);
+    heat.exposures.push(Exposure { temperature: Some(course), exchanges: Vec::new() });
+    for i in 0..state.len() {
+        state.exposure[i] = u16::from(state.position[i][0] < 1e-3);
+    }
+    for ledger in [false, true] {
+        plan.ledger = ledger;
+        let end = both(&state, &plan, 3, &format!("turns, ledger {ledger}"));
+        assert!(end.radius.iter().zip(&state.radius).any(|(now, before)| now > before));
+    }
+}
+
+#[test]
+fn heat_takes_the_memory_that_is_foretold() {
+    let (warm, warm_plan) = warm_cloud();
+    let cold_plan = Plan { heat: None, ..warm_plan.clone() };
+    let nothing = State::default();
+    let cold = State {
+        temperature: nothing.temperature,
+        heat_rate: nothing.heat_rate,
+        exposure: nothing.exposure,
+        reference_radius: nothing.reference_radius,
+        ..warm.clone()
+    };
+    let n = warm.len();
+    // Two temperatures, an exposure, two radii, two accounts.
+    let each = 2 * 8 + 4 + 2 * 8 + 2 * 8;
+    let held = |state: &State, plan: &Plan| {
+        Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound").bytes()
+    };
+    let of_heat = held(&warm, &warm_plan) - held(&cold, &cold_plan);
+    // Beside the particles there are only tables.
+    assert!(of_heat >= n * each && of_heat < n * (each + 1), "{of_heat} of {n}");
+    let foretold = |plan: &Plan| tdem_engine::gpu::bytes(plan, n, 0, 0);
+    assert_eq!(foretold(&warm_plan) - foretold(&cold_plan), n * each);
+}
+
+/// Spheres at rest, too far apart to be listed, of which some grow to more than twice their size.
+#[test]
+fn spheres_that_grow_meet_those_that_were_not_listed() {
+    let places: Vec<_> = (0..343)
+        .map(|k| ([k % 7, k / 7 % 7, k / 49].map(|c| 0.014 * f64::from(c)), 4e-3 + 4e-4 * random(14, k as u64)))
+        .collect();
+    let mut plan = common::plan(Law::GNTM, [-0.1; 3], [0.2; 3], [false; 3]);
+    plan.ledger = false;
+    let mut state = spheres(&places, DENSITY);
+    heated(&mut state, &mut plan, 2e-3);
+    let course = Course(vec![[0.0, REFERENCE], [0.01, REFERENCE + 700.0], [0.02, REFERENCE + 100.0]]);
+    let heat = heat_of(&mut plan);
+    heat.exposures.push(Exposure { temperature: Some(course), exchanges: Vec::new() });
+    state.exposure.iter_mut().step_by(3).for_each(|exposure| *exposure = 1);
+    for skin in [1e-3, 3e-4] {
+        plan.search.skin = skin;
+        let grown = both(&state, &plan, 240, "grown");
+        assert!(grown.contacts.len() > 50, "{} contacts", grown.contacts.len());
+        both(&grown, &plan, 300, "grown and shrunk");
+    }
+}
+
 #[test]
 fn same_bits_with_several_materials_and_prescribed_motion() {
     for ledger in [false, true] {
@@ -319,4 +497,12 @@ fn faults_are_those_of_the_cpu() {
     let mut tight = plan.clone();
     tight.search.skin = 0.1;
     assert!(matches!(faults(&state, &tight), Fault::BoxTooSmall { .. }));
+    // A step of the heat that is too large for the first that touch.
+    for ledger in [false, true] {
+        let (mut state, mut plan) = warm_cloud();
+        plan.ledger = ledger;
+        heat_of(&mut plan).time_scale = 1e8;
+        state.exposure.fill(0);
+        assert!(matches!(faults(&state, &plan), Fault::Temperature { .. }));
+    }
 }

@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::heated::{EXPANSION, heated};
 use common::{DENSITY, plan, scene, spheres};
 use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::gpu::Api;
@@ -109,7 +110,10 @@ fn pair(law: Law) -> (State, Plan) {
 }
 
 fn bytes_per_call(law: Law, device: Device) -> (Vec<(&'static str, u64)>, f64) {
-    let (state, plan) = pair(law);
+    bytes_of(pair(law), device)
+}
+
+fn bytes_of((state, plan): (State, Plan), device: Device) -> (Vec<(&'static str, u64)>, f64) {
     let mut simulation = Simulation::new(state, plan, device).expect("the scene is sound");
     let profile = simulation.profile(4).expect("the scene runs through");
     assert_eq!(profile.searches, 0);
@@ -137,6 +141,22 @@ fn bytes_of_two_spheres_on_a_device() {
     ];
     let fused = fused + 2 * spin + remembered;
     assert_eq!(bytes_per_call(Law::GNTM, gpu()), (expected, fused as f64));
+}
+
+#[test]
+fn heat_adds_temperatures_and_growth_adds_radii() {
+    let cold = bytes_per_call(Law::GN, gpu());
+    for expansion in [0.0, EXPANSION] {
+        let (mut state, mut plan) = pair(Law::GN);
+        heated(&mut state, &mut plan, expansion);
+        let (parts, whole) = bytes_of((state, plan), gpu());
+        // Temperatures and radii of two spheres are 16 B each, the kind is 8 B, what their material is to heat 16 B.
+        let (field, table) = (16, 8 + 16);
+        let radii = if expansion == 0.0 { 0 } else { 2 * field };
+        let added: Vec<_> = parts.iter().zip(&cold.0).map(|(warm, cold)| (warm.0, warm.1 - cold.1)).collect();
+        assert_eq!(added, [("predict", 2 * field + table + radii), ("contact", field), ("correct", 0)]);
+        assert_eq!(whole - cold.1, (2 * field + table + radii) as f64);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The laws as C, for kernels to call.
 //!
 //! [`source`] prints one file: the structs the laws exchange and every [`Formula`] of contacts and motion as a function;
-//! [`bond_source`] adds those of bonds. A kernel's skeleton
+//! [`bond_source`] adds those of bonds, [`heat_source`] those of heat. A kernel's skeleton
 //! (loads, loops over neighbours, stores) includes it after a prelude that defines
 //!
 //! | word | meaning |
@@ -26,16 +26,20 @@
 
 mod bonds;
 mod formulas;
+mod heat;
 mod members;
 
 pub use bonds::{
-    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, FreeStrain,
-    LocalDamping, ReversedHistory, TurnOrientation,
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, LocalDamping,
+    ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, RampLine,
     ReleasedBySpheres, ReleasedByWall, SettledContactOfSpheres, SettledContactWithWall, SphereInertia, StoredEnergy,
     TouchOfSpheres, TouchOfWall,
+};
+pub use heat::{
+    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, SurfaceHeat, Warmed,
 };
 pub use members::{Members, Parameter, Parameters};
 
@@ -43,6 +47,7 @@ use crate::bond::{
     self, Advance, Bond, Cement, Coefficients, Form, History, Joint, Modes, Posture, Reaction, Rest, Stress,
 };
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
+use crate::heat::{Conductor, Exchange, Link, Path};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
 use crate::real::{CFunction, Symbol};
@@ -190,7 +195,6 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
     let bond::Law { form, damping } = law;
     vec![
         entry(&BondBetween { damping }),
-        entry(&FreeStrain),
         entry(&BondRest),
         match form {
             Form::Total => entry(&BondTotal { damping }),
@@ -210,6 +214,34 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
 #[must_use]
 pub fn bond_source(law: bond::Law) -> String {
     bond_functions(law).into_iter().fold(bond_types(), |text, (_, function)| text + "\n" + &function.text)
+}
+
+/// The structs that the functions of heat exchange besides those of [`types`], as typedefs.
+#[must_use]
+pub fn heat_types() -> String {
+    [Conductor::<Symbol>::definition(), Link::<Symbol>::definition(), Exchange::<Symbol>::definition()].concat()
+}
+
+/// Every formula of heat by its name, as a function, for contacts that conduct in the given way.
+#[must_use]
+pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
+    vec![
+        entry(&BetweenSpheres { path }),
+        entry(&AtWall { path }),
+        entry(&HeatFlow),
+        entry(&LinkBetween),
+        entry(&LinkConductance),
+        entry(&FreeStrain),
+        entry(&SurfaceHeat),
+        entry(&Warmed),
+        entry(&Grown),
+    ]
+}
+
+/// What heat adds to [`source`], to stand behind it.
+#[must_use]
+pub fn heat_source(path: Path) -> String {
+    heat_functions(path).into_iter().fold(heat_types(), |text, (_, function)| text + "\n" + &function.text)
 }
 
 #[cfg(test)]

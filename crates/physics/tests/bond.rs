@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 use tdem_physics::bond::{
     self, Advance, Axis, Bond, Cement, Damping, Ends, Failure, History, Modes, Posture, Reaction, Rest, Section,
-    Tension, damping, expansion, section::stiffness_per_area,
+    Tension, damping, section::stiffness_per_area,
 };
 use tdem_physics::contact::Sphere;
+use tdem_physics::heat::{Conductor, Link};
 use tdem_physics::motion::{orientation::Quaternion, sphere_inertia, verlet};
 use tdem_physics::{Vec3, vec3};
 
@@ -29,6 +30,11 @@ fn bond(cement: &Cement<f64>) -> Bond<f64> {
     let bond = Bond::new(cement, &section, stiffness_per_area(YOUNG_MODULUS, LENGTH));
     let [first, second] = RADII.map(sphere);
     Bond { damping: damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
+}
+
+/// What a bond of these radii and expansions is to heat.
+fn link(radii: [f64; 2], expansions: [f64; 2]) -> Link<f64> {
+    Link::between(&Conductor { conductivity: 1.5, section: 0.35 }, radii, expansions)
 }
 
 fn section() -> Section<f64> {
@@ -212,7 +218,8 @@ fn strains_and_sections_do_not_know_the_order_of_the_bodies() {
     let mut rng = Rng(2);
     for _ in 0..10_000 {
         let (r1, r2, e1, e2) = (1.5 + rng.number(), 1.5 + rng.number(), rng.number(), rng.number());
-        assert!(same(expansion::free_strain(r1, e1, r2, e2), expansion::free_strain(r2, e2, r1, e1)));
+        let strain = |radii, growths| link(radii, growths).free_strain(1.0, 1.0);
+        assert!(same(strain([r1, r2], [e1, e2]), strain([r2, r1], [e2, e1])));
         assert_eq!(Section::between(0.7, r1, r2), Section::between(0.7, r2, r1));
     }
 }
@@ -461,7 +468,7 @@ fn pressure_raises_the_shear_strength_of_mohr_and_coulomb() {
 #[test]
 fn heat_moves_the_length_without_force() {
     let bond = bond(&CEMENT);
-    let strain = expansion::free_strain(RADII[0], 12e-6 * 80.0, RADII[1], 8e-6 * 120.0);
+    let strain = link(RADII, [12e-6, 8e-6]).free_strain(80.0, 120.0);
     let warm = Posture { free_strain: strain, ..posture(Quaternion::identity()) };
     let respond = |length: f64| bond::respond_total(Damping::Off, &resting(vec3(length, 0.0, 0.0)), &warm, &bond);
     let free = respond(LENGTH * (1.0 + strain));

@@ -12,6 +12,7 @@ use tdem_physics::bond::{
 use tdem_physics::contact::{
     Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
+use tdem_physics::heat::{Conductor, Exchange, Link, Path as HeatPath};
 use tdem_physics::motion::gear::Trajectory;
 use tdem_physics::motion::orientation::Quaternion;
 use tdem_physics::print::{self, Formula, Parameter, Parameters};
@@ -173,7 +174,6 @@ fn what_bonds_need_has_the_bits_of_the_law() {
         },
         |_, _| {},
     );
-    alone(print::FreeStrain, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.size(-12, -2), rng.number(-16, -6)));
     alone(print::BondRest, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.number(-16, -6)));
     alone(print::ReversedHistory, |rng| (rng.history(),));
     alone(print::BondLoss, |rng| {
@@ -196,6 +196,50 @@ fn what_bonds_need_has_the_bits_of_the_law() {
         let velocity = if rng.one_in(4) { rng.displacement(Vec3::zero()) } else { rng.vector(-10, 3) };
         (rng.vector(-10, 10), velocity, rng.size(-3, 0))
     });
+}
+
+#[test]
+fn heat_has_the_bits_of_the_law() {
+    let paths = [HeatPath::Closed, HeatPath::Bar, HeatPath::Circle];
+    let touching = |rng: &mut Rng, radius_sum: f64| {
+        let overlap = rng.overlap(radius_sum);
+        touch_spheres(rng.direction() * (radius_sum - overlap), radius_sum)
+    };
+    compare(
+        &paths.map(|path| print::BetweenSpheres { path }),
+        OTHERS,
+        |rng| {
+            let [first, second] = [rng.size(-9, -2), rng.size(-9, -2)];
+            (rng.conductor(), first, second, touching(rng, first + second))
+        },
+        |_, _| {},
+    );
+    compare(
+        &paths.map(|path| print::AtWall { path }),
+        OTHERS,
+        |rng| {
+            let radius = rng.size(-9, -2);
+            (rng.conductor(), radius, touching(rng, radius))
+        },
+        |_, _| {},
+    );
+    alone(print::HeatFlow, |rng| (rng.size(-20, 4), rng.size(7, 11), rng.size(7, 11)));
+    alone(print::LinkBetween, |rng| {
+        let (radii, expansions) = ([rng.size(-9, -2), rng.size(-9, -2)], [rng.size(-20, -10), rng.size(-20, -10)]);
+        (rng.conductor(), radii, expansions)
+    });
+    alone(print::LinkConductance, |rng| (rng.link(), rng.size(-8, -2)));
+    alone(print::FreeStrain, |rng| (rng.link(), rng.number(-3, 11), rng.number(-3, 11)));
+    alone(print::SurfaceHeat, |rng| {
+        let [flux_area, conductance, radiation, resistance] =
+            [(-20, -6), (-20, 4), (-44, -30), (-3, 12)].map(|(low, high)| match rng.below(3) {
+                0 => 0.0,
+                _ => rng.size(low, high),
+            });
+        (Exchange { flux_area, conductance, radiation, resistance }, rng.size(7, 11), rng.size(7, 11))
+    });
+    alone(print::Warmed, |rng| (rng.size(7, 11), rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
+    alone(print::Grown, |rng| (rng.size(-9, -2), rng.number(-20, -10), rng.number(-3, 11)));
 }
 
 /// Whether bonds have dashpots.
@@ -345,6 +389,14 @@ impl Rng {
         let bond = Bond::new(&cement, &section, self.size(30, 50));
         let (first, second) = (self.sphere(), self.sphere());
         Bond { damping: bond::damping::coefficients(cement.damping_ratio, &bond.stiffness, &first, &second), ..bond }
+    }
+    fn conductor(&mut self) -> Conductor<f64> {
+        let conductivity = if self.one_in(8) { 0.0 } else { self.size(-8, 8) };
+        Conductor { conductivity, section: self.size(-4, 1) }
+    }
+    fn link(&mut self) -> Link<f64> {
+        let [first_growth, second_growth] = [self.size(-20, -10), self.size(-20, -10)];
+        Link { conductance_length: self.size(-30, -4), first_growth, second_growth }
     }
     fn history(&mut self) -> History<f64> {
         History {
@@ -525,7 +577,7 @@ fn lanes<F: Formula>(formula: &F, rows: &[f64], numbers_in: usize, numbers_out: 
 /// A program that reads the number of rows and the rows, and answers with the results of every formula in turn.
 fn c_program<F: Formula>(formulas: &[F], inputs: &[Parameter], outputs: &[Parameter]) -> String {
     let mut text = format!("{}#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n", print::HOST_PRELUDE);
-    text += &(print::types() + &print::bond_types());
+    text += &(print::types() + &print::bond_types() + &print::heat_types());
     let name = F::NAME;
     for (variant, formula) in formulas.iter().enumerate() {
         let function = print::function(formula).text;

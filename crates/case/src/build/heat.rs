@@ -14,7 +14,7 @@ use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
 use tdem_engine::physics::heat::conduction::pair_conductivity;
 use tdem_engine::physics::heat::{Conductor, Path};
-use tdem_engine::{Course, HeatPlan, Motion, Thermal};
+use tdem_engine::{Course, HeatPlan, Motion, Relaxation, Scheme, Thermal};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
 pub(super) fn of(
@@ -43,10 +43,14 @@ pub(super) fn of(
         conductivity: pair_conductivity(conductivity(k / materials), conductivity(k % materials)),
         section,
     };
+    let frozen = heat.motion == schema::Motion::Frozen;
     let plan = HeatPlan {
         time_scale: heat.time_scale(case),
         reference_temperature: heat.reference_temperature.unwrap_or(heat.initial_temperature) + zero,
-        materials: context.materials.thermal.iter().map(|of| of.thermal).collect(),
+        // Where nothing moves, nothing expands.
+        materials: (context.materials.thermal.iter())
+            .map(|of| Thermal { expansion: if frozen { 0.0 } else { of.thermal.expansion }, ..of.thermal })
+            .collect(),
         conductors: (0..materials * materials).map(conductor).collect(),
         contacts: match heat.contacts {
             ContactPath::Bar => Path::Bar,
@@ -58,6 +62,24 @@ pub(super) fn of(
         motion: Motion::Stepped,
     };
     Some((plan, surfaces))
+}
+
+/// What particles do while heat goes on, and the step of the plan, s: that of the heat where heat advances by itself.
+pub(super) fn turns(heat: &schema::Heat, step: f64, warming: &Warming, safety: f64) -> (Motion, f64) {
+    let (scheme, largest) = match heat.scheme {
+        schema::Scheme::Implicit => (Scheme::Implicit, f64::INFINITY),
+        schema::Scheme::Explicit => (Scheme::Explicit, safety * warming.safe_step),
+    };
+    let step_of_heat = heat.step.map_or(largest, schema::Positive::get);
+    match heat.motion {
+        schema::Motion::Scaled => (Motion::Stepped, step),
+        schema::Motion::Frozen => (Motion::Frozen(scheme), step_of_heat),
+        schema::Motion::QuasiStatic => {
+            let schema::Relaxation { ratio, at_most_steps, check_every } = heat.relaxation;
+            let relaxation = Relaxation { scheme, dt: step, ratio: ratio.get(), at_most_steps, check_every };
+            (Motion::QuasiStatic(relaxation), step_of_heat)
+        }
+    }
 }
 
 /// A course of the engine; `zero` is added to its values.

@@ -171,6 +171,10 @@ impl Loaded {
         plan.bonds = bonded.map(|bonded| bonded.plan(case));
         plan.ramps = ramps;
         plan.heat = heat;
+        if let (Some(of), Some(heat), Some(warming)) = (&mut plan.heat, &case.heat, &warming) {
+            (of.motion, plan.dt) = heat::turns(heat, limits.step, warming, limits.safety);
+            plan.dt = plan.dt.min(case.time.end.get());
+        }
         let watched = gauges::members(case, &draft, &zones);
         let state = draft.finish(&context, &plan, bonds);
         let (gauges, coincident) = gauges::gauges(&context, &watched, &surfaces.unwrap_or_default(), &state, &plan);

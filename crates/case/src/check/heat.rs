@@ -3,7 +3,7 @@
 use super::Checker;
 use crate::materials::RIGID;
 use crate::problem::Problem;
-use crate::schema::{BarRadius, BondForm, ContactPath, Course, Heat, Model, Surface};
+use crate::schema::{BarRadius, BondForm, ContactPath, Course, Heat, Model, Motion, Scheme, Surface};
 
 impl Checker<'_> {
     pub(super) fn heat(&mut self) {
@@ -27,6 +27,7 @@ impl Checker<'_> {
         if heat.time_scale.is_some() && heat.duration.is_some() {
             self.exclusive(&["heat"], "time_scale", "duration");
         }
+        self.turns(heat);
         if let Some(cells) = heat.open_sides {
             let place = self.place(&["heat", "open_sides"]);
             if cells.contains(&0) {
@@ -51,6 +52,45 @@ impl Checker<'_> {
         }
         self.thermal_materials();
         self.warm_walls(heat);
+    }
+
+    /// Keys that belong to another way through time.
+    fn turns(&mut self, heat: &Heat) {
+        let scaled = heat.motion == Motion::Scaled;
+        let idle: &[&str] = match heat.motion {
+            Motion::Scaled => &["step", "scheme", "relaxation"],
+            Motion::Frozen => &["time_scale", "duration", "relaxation"],
+            Motion::QuasiStatic => &["time_scale", "duration"],
+        };
+        for key in idle {
+            if self.tree.get(&["heat", key]).is_none() {
+                continue;
+            }
+            let [place, cause] = [&["heat", key], &["heat", "motion"]].map(|path| self.tree.key_place(path));
+            let problem =
+                Problem::error("tdem::case::conflicting-keys", format!("`{key}` has no effect with this motion"))
+                    .at(place, "has no effect");
+            let help = if scaled { "write motion = \"quasi-static\" or \"frozen\", or remove it" } else { "remove it" };
+            self.push(if scaled { problem.help(help) } else { problem.at(cause, "with this").help(help) });
+        }
+        if !scaled && heat.step.is_none() && heat.scheme == Scheme::Implicit {
+            let place = self.place(&["heat", "motion"]);
+            self.push(
+                Problem::error("tdem::case::missing-key", "nothing says how long a step of the heat is")
+                    .at(place, "takes steps of the heat")
+                    .help("add step = ... in s; or write scheme = \"explicit\", which finds the largest safe one"),
+            );
+        }
+        if let Some(step) = heat.step.filter(|step| *step > self.case.time.end) {
+            let [place, cause] = [&["heat", "step"], &["time", "end"]].map(|path| self.place(path));
+            let end = self.case.time.end.get();
+            let message = format!("heat.step is {} s, longer than the whole run, {end} s", step.get());
+            self.push(
+                Problem::error("tdem::case::step-beyond-end", message)
+                    .at(place, format!("must be at most {end} s"))
+                    .at(cause, "the run ends here"),
+            );
+        }
     }
 
     /// What only heat can use.

@@ -1,7 +1,7 @@
 //! Heat: what conducts, what surfaces exchange, how time goes.
 
 use super::course::Course;
-use super::quantity::{Fraction, NonNegative, Positive};
+use super::quantity::{Fraction, NonNegative, Positive, positive};
 use super::{Case, Face};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -16,10 +16,11 @@ const CELSIUS: f64 = 273.15;
 pub struct Heat {
     /// Scale of all temperatures in the case: "celsius" or "kelvin". Results are in kelvin.
     pub scale: Scale,
-    /// Temperature of all particles at the start.
+    /// Temperature of all particles at the start, °C or K.
     #[schemars(extend("x-unit" = "°C or K"))]
     pub initial_temperature: f64,
-    /// Temperature at which radii are those given, and at which bonds are free of stress; the initial one if left out.
+    /// Temperature at which radii are those given, and at which bonds are free of stress, °C or K;
+    /// the initial one if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°C or K"))]
     pub reference_temperature: Option<f64>,
@@ -33,10 +34,25 @@ pub struct Heat {
     /// by the part that is missing at the sides, 1/(4 n) for each.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub open_sides: Option<[u32; 2]>,
+    /// What particles do meanwhile: "scaled", they move, and heat goes `time_scale` times as fast; "frozen", nothing moves or
+    /// expands, and only heat goes on; "quasi-static", after every step of the heat they move until they are at rest. With
+    /// the last two `time.end` is time of the heat.
+    #[serde(default)]
+    pub motion: Motion,
+    /// Step of the heat, s, if particles are "frozen" or "quasi-static"; left out with "explicit", it is the largest safe one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub step: Option<Positive>,
+    /// How heat advances by itself: "implicit", stable with any step, or "explicit".
+    #[serde(default)]
+    pub scheme: Scheme,
+    /// When particles count as being at rest, if they are "quasi-static".
+    #[serde(default)]
+    pub relaxation: Relaxation,
     /// How much faster the time of the heat goes than that of the motion; 1.0 if left out. Give this or `duration`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_scale: Option<Positive>,
-    /// How long the heat goes on, s, while the motion goes on until `time.end`.
+    /// How long "scaled" heat goes on, s, while the motion goes on until `time.end`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "s"))]
     pub duration: Option<Positive>,
@@ -59,6 +75,50 @@ impl Heat {
             BarRadius::Ratio(ratio) => ratio.get(),
             BarRadius::FaceCentred => tdem_engine::physics::heat::conduction::face_centred_bar(self.open_sides),
         }
+    }
+}
+
+/// What particles do while heat goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Motion {
+    /// They move, and heat goes faster.
+    #[default]
+    Scaled,
+    /// They stay where they are, as large as they are.
+    Frozen,
+    /// After every step of the heat they move until they are at rest.
+    QuasiStatic,
+}
+
+/// How heat advances by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Scheme {
+    /// By the backward rule of Euler.
+    #[default]
+    Implicit,
+    /// By Euler's rule; steps that are too long are taken in parts.
+    Explicit,
+}
+
+/// When particles count as being at rest. What breaks meanwhile starts it anew.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Relaxation {
+    /// Mean resultant force on a particle over mean force of a contact or bond, at most.
+    pub ratio: Positive,
+    /// Steps of the motion after which heat goes on in any case; how often that happened is told.
+    #[schemars(range(min = 1))]
+    pub at_most_steps: u64,
+    /// Steps of the motion between two looks at the forces.
+    #[schemars(range(min = 1))]
+    pub check_every: u64,
+}
+
+impl Default for Relaxation {
+    fn default() -> Self {
+        Relaxation { ratio: positive(1e-3), at_most_steps: 20_000, check_every: 100 }
     }
 }
 
@@ -147,7 +207,7 @@ pub struct Surface {
     /// How deep the centres of its particles lie behind it, m: material that heat goes through. "half-cell" is what a face
     /// of a lattice has; 0.0 gives the surface the temperature of its particles (the paper's), an error of first order.
     pub depth: Depth,
-    /// Temperature of the surface, constant or along points [time of the heat in s, temperature].
+    /// Temperature of the surface, °C or K, constant or along points [time of the heat in s, temperature].
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°C or K"))]
     pub temperature: Option<Course>,
@@ -170,7 +230,7 @@ pub struct Convection {
     /// Heat transfer coefficient, W/(m² K).
     #[schemars(extend("x-unit" = "W/(m² K)"))]
     pub coefficient: NonNegative,
-    /// Temperature of the fluid, constant or along points.
+    /// Temperature of the fluid, °C or K, constant or along points.
     #[schemars(extend("x-unit" = "°C or K"))]
     pub temperature: Course,
 }
@@ -181,7 +241,7 @@ pub struct Convection {
 pub struct Radiation {
     /// Emissivity of the surface.
     pub emissivity: Fraction,
-    /// Temperature of the surroundings, constant or along points.
+    /// Temperature of the surroundings, °C or K, constant or along points.
     #[schemars(extend("x-unit" = "°C or K"))]
     pub temperature: Course,
 }

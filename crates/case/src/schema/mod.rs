@@ -15,7 +15,9 @@ mod zone;
 pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
 pub use course::{Course, Measured};
 pub use gauge::{Against, Curve, Gauge};
-pub use heat::{BarRadius, ContactPath, Convection, Depth, Heat, Radiation, Scale, Surface};
+pub use heat::{
+    BarRadius, ContactPath, Convection, Depth, Heat, Motion, Radiation, Relaxation, Scale, Scheme, Surface,
+};
 pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     RunBonds, SizeDistribution, SizeRange,
@@ -322,7 +324,7 @@ pub struct Wall {
     pub velocity: [f64; 3],
     /// Its material, or "rigid".
     pub material: String,
-    /// Its temperature, constant or along points [time of the heat in s, temperature]; insulated if left out. A rigid wall
+    /// Its temperature, °C or K, constant or along points [time of the heat in s, temperature]; insulated if left out. A rigid wall
     /// conducts nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°C or K"))]
@@ -353,7 +355,7 @@ pub struct Container {
     pub velocity: [f64; 3],
     /// Its material, or "rigid".
     pub material: String,
-    /// Temperature of all its faces, constant or along points; insulated if left out.
+    /// Temperature of all its faces, °C or K, constant or along points; insulated if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°C or K"))]
     pub temperature: Option<Course>,

@@ -30,7 +30,7 @@ pub struct Particles {
     /// Initial angular velocity, rad/s; added to what `csv` or `run` say.
     #[schemars(extend("x-unit" = "rad/s"))]
     pub angular_velocity: [f64; 3],
-    /// Temperature at the start, on the scale of `heat`; `heat.initial_temperature` if left out, or what `run` says.
+    /// Temperature at the start, °C or K as `heat.scale` says; `heat.initial_temperature` if left out, or what `run` says.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°C or K"))]
     pub temperature: Option<f64>,

@@ -2,6 +2,7 @@
 
 use super::bodies::Quad;
 use super::neighbours::indices_by_rank;
+use crate::heat::filled;
 use crate::{Bond, BondHistory, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::bond::{Cement, Joint};
@@ -85,7 +86,7 @@ impl Bonds {
             written: Written { history, ..Written::default() },
             table: state.bonds.clone(),
             alike: state.alike_bonds(plan),
-            links: state.alike_links(plan),
+            links: state.alike_links(plan).as_deref().map(filled),
             ..Bonds::default()
         };
         bonds.lay_out(&(0..state.len() as u32).collect::<Vec<_>>());

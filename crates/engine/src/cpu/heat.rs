@@ -11,6 +11,7 @@ use super::{CHUNK, Cpu};
 use crate::heat::book;
 use crate::{Exposure, Fault, HeatPlan, Plan};
 use rayon::prelude::*;
+use tdem_physics::Vec3;
 use tdem_physics::contact::{touch_spheres, touch_wall};
 use tdem_physics::heat::Link;
 use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
@@ -29,10 +30,28 @@ impl Flows {
     }
 }
 
+/// How radii changed, the largest of all particles, m.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Growth {
+    /// Growth since the list was made.
+    pub(super) since_listed: f64,
+    /// How much one shrank in this step.
+    pub(super) shrinkage: f64,
+}
+
+impl Growth {
+    fn max(self, other: Growth) -> Growth {
+        Growth {
+            since_listed: self.since_listed.max(other.since_listed),
+            shrinkage: self.shrinkage.max(other.shrinkage),
+        }
+    }
+}
+
 impl Cpu {
-    /// Temperatures and radii of the end of the step. The largest growth of a radius since the list was made, m.
-    pub(super) fn warm_all(&mut self) -> Result<f64, Fault> {
-        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return Ok(0.0) };
+    /// Temperatures and radii of the end of the step.
+    pub(super) fn warm_all(&mut self) -> Result<Growth, Fault> {
+        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return Ok(Growth::default()) };
         let (step, time) = (self.plan.heat_step(), self.plan.heat_time(self.step));
         let prescribed: Vec<Option<f64>> = heat.exposures.iter().map(|e| value_of(e, time)).collect();
         let bodies = &mut self.bodies;
@@ -49,7 +68,7 @@ impl Cpu {
             .into_par_iter()
             .enumerate()
             .map(|(chunk, (temperature, place, (motion, force), (material, exposure), rank, reference, accounts))| {
-                let (mut growth, mut wrong) = (0.0_f64, u32::MAX);
+                let (mut growth, mut wrong) = (Growth::default(), u32::MAX);
                 for i in 0..temperature.len() {
                     let thermal = &heat.materials[usize::from(material[i])];
                     let capacity = motion[i].scalar() * thermal.specific_heat;
@@ -61,8 +80,12 @@ impl Cpu {
                     temperature[i] = now;
                     if let Some(&reference) = reference.get(i) {
                         let radius = grown(reference, thermal.expansion, now - heat.reference_temperature);
+                        let one = Growth {
+                            since_listed: radius - listed[chunk * CHUNK + i],
+                            shrinkage: place[i].0[3] - radius,
+                        };
+                        growth = growth.max(one);
                         place[i].0[3] = radius;
-                        growth = growth.max(radius - listed[chunk * CHUNK + i]);
                     }
                     if !(now > 0.0 && now.is_finite()) {
                         wrong = wrong.min(rank[i]);
@@ -70,7 +93,7 @@ impl Cpu {
                 }
                 (growth, wrong)
             })
-            .reduce(|| (0.0, u32::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
+            .reduce(|| (Growth::default(), u32::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
         if wrong == u32::MAX {
             return Ok(growth);
         }
@@ -166,7 +189,7 @@ fn value_of(exposure: &Exposure, time: f64) -> Option<f64> {
 /// Outside values of the exchanges of each exposure, those of the middle of the step that follows; none where temperatures
 /// are prescribed.
 fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
-    let middle = 0.5 * (plan.heat_time(step) + plan.heat_time(step + 1));
+    let middle = plan.heat_middle(step);
     let of_exposure = |exposure: &Exposure| match exposure.temperature {
         Some(_) => Vec::new(),
         None => exposure.exchanges.iter().map(|(_, course)| course.value(middle)).collect(),
@@ -213,8 +236,9 @@ impl Conduction<'_> {
             return 0.0;
         }
         let (i, j) = (self.bonds.owner[slot] as usize, self.bonds.other[slot] as usize);
+        let offset: Vec3<f64> = self.bonds.offset[slot].into();
         let link = link(self.heat, self.bodies, self.bonds, slot);
-        flow(link.conductance, self.bodies.temperature[i], self.bodies.temperature[j])
+        flow(link.conductance(offset.dot(offset).sqrt()), self.bodies.temperature[i], self.bodies.temperature[j])
     }
 }
 
@@ -227,6 +251,5 @@ pub(super) fn link(heat: &HeatPlan, bodies: &Bodies, bonds: &Bonds, slot: usize)
         return alike[usize::from(a) * heat.materials.len() + usize::from(b)];
     }
     let radii = [i, j].map(|k| bodies.reference_radius.get(k).copied().unwrap_or_else(|| bodies.place[k].scalar()));
-    let offset: tdem_physics::Vec3<f64> = bonds.offset[slot].into();
-    heat.link([a, b], radii, offset.dot(offset).sqrt())
+    heat.link([a, b], radii)
 }

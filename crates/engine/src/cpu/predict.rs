@@ -118,9 +118,9 @@ impl Cpu {
         if report.astray != NONE {
             return Err(self.astray(report.astray));
         }
-        self.step_way = report.step_squared.sqrt().max(self.wall_step());
         let growth = self.warm_all()?;
-        let half_skin = 0.5 * self.plan.search.skin - growth;
+        self.step_way = report.step_squared.sqrt().max(self.wall_step()) + growth.shrinkage;
+        let half_skin = 0.5 * self.plan.search.skin - growth.since_listed;
         self.search_due = half_skin < 0.0
             || report.way_squared > half_skin * half_skin
             || self.neighbours.wall_way(&self.wall_position) > half_skin;

@@ -1,14 +1,14 @@
 //! The particles, walls and constants of a run on a device, and what kernels are told.
 
-use super::layout::{Beam, Box3, Constraint, Pair, Piece, Step, Vector, Wall};
+use super::layout::{Beam, Box3, ConductorOf, Constraint, LinkOf, Pair, Piece, Step, Vector, Wall};
 use super::memory::{Buffer, Queue};
-use super::program::only_interaction;
+use super::program::only_of_pairs;
 use super::runtime::{Error, Runtime};
 use crate::cpu::Quad;
-use crate::{Driven, Integrator, Plan, State};
+use crate::{Course, Driven, Integrator, Plan, State, plan};
 
 /// What neighbours see of particles and walls, in working order. There are two, so that a step can read one and write
-/// the other; between steps the other one holds forces in `place` and moments in `spin`. While a list is made, it is room
+/// the other; between steps the other one holds forces and heat rates in `place` and moments in `spin`. While a list is made, it is room
 /// for the search.
 pub(super) struct Half<M> {
     /// Position and radius.
@@ -19,6 +19,8 @@ pub(super) struct Half<M> {
     pub(super) spin: Buffer<Quad, M>,
     /// Which way particles are turned; empty without bonds.
     pub(super) orientation: Buffer<Quad, M>,
+    /// K; empty without heat.
+    pub(super) temperature: Buffer<f64, M>,
     /// A point on each wall.
     pub(super) wall_place: Buffer<Quad, M>,
 }
@@ -42,7 +44,7 @@ pub(super) struct Fields<M> {
 pub(super) struct Constants<M> {
     pub(super) interactions: Buffer<Pair, M>,
     pub(super) constraints: Buffer<Constraint, M>,
-    /// Pieces of ramps, those of one constraint side by side.
+    /// Pieces of ramps and courses, those of one constraint or course side by side.
     pub(super) pieces: Buffer<Piece, M>,
     pub(super) walls: Buffer<Wall, M>,
 }
@@ -55,6 +57,7 @@ impl<M> Half<M> {
             motion: queue.buffer(n)?,
             spin: queue.buffer(if plan.law.moments { n } else { 0 })?,
             orientation: queue.buffer(state.orientation.len())?,
+            temperature: queue.buffer(state.temperature.len())?,
             wall_place: queue.buffer(plan.walls.len())?,
         })
     }
@@ -69,6 +72,7 @@ impl<M> Half<M> {
         }
         let orientation: Vec<Quad> = state.orientation.iter().map(|&q| Quad(q)).collect();
         queue.upload(&self.orientation, &orientation)?;
+        queue.upload(&self.temperature, &state.temperature)?;
         queue.upload(&self.wall_place, &unpaired(&state.wall_position))
     }
 }
@@ -128,19 +132,26 @@ impl<M> Fields<M> {
 }
 
 impl<M> Constants<M> {
-    pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, plan: &Plan) -> Result<Self, Error> {
+    /// The pieces of courses that are known already stay where they are.
+    pub(super) fn new<R: Runtime<Memory = M>>(
+        queue: &Queue<R>,
+        plan: &Plan,
+        mut pieces: Vec<Piece>,
+    ) -> Result<Self, Error> {
         let pairs: Vec<Pair> = plan.interactions.iter().map(Pair::from).collect();
-        let walls: Vec<Wall> = plan
-            .walls
-            .iter()
-            .map(|wall| Wall {
+        let temperature = |wall: usize| plan.heat.as_ref().and_then(|heat| heat.walls[wall].as_ref());
+        let walls = plan.walls.iter().enumerate().map(|(index, wall)| {
+            let [first_piece, end_piece] = course_record(temperature(index), &mut pieces);
+            Wall {
                 normal: Vector(wall.normal),
                 velocity: Vector(wall.velocity),
                 material: wall.material.into(),
+                first_piece,
+                end_piece,
                 padding: 0,
-            })
-            .collect();
-        let mut pieces = Vec::new();
+            }
+        });
+        let walls: Vec<Wall> = walls.collect();
         let constraints: Vec<Constraint> =
             (0..plan.constraints.len()).map(|index| constraint_record(plan, index, &mut pieces)).collect();
         Ok(Constants {
@@ -164,16 +175,7 @@ fn constraint_record(plan: &Plan, index: usize, pieces: &mut Vec<Piece>) -> Cons
             Driven::AngularVelocity => 1,
             Driven::Force => 2,
         };
-        pieces.extend(ramp.pieces().map(|piece| Piece {
-            from: piece.from,
-            until: piece.until,
-            start: piece.start[0],
-            start_value: piece.start[1],
-            end: piece.end[0],
-            end_value: piece.end[1],
-            number: 3 * vector + ramp.axis as u32,
-            padding: 0,
-        }));
+        pieces.extend(ramp.pieces().map(|piece| piece_record(&piece, 3 * vector + ramp.axis as u32)));
     }
     Constraint {
         velocity: Vector(given[0].map(Option::unwrap_or_default)),
@@ -186,6 +188,26 @@ fn constraint_record(plan: &Plan, index: usize, pieces: &mut Vec<Piece>) -> Cons
     }
 }
 
+fn piece_record(piece: &plan::Piece, number: u32) -> Piece {
+    Piece {
+        from: piece.from,
+        until: piece.until,
+        start: piece.start[0],
+        start_value: piece.start[1],
+        end: piece.end[0],
+        end_value: piece.end[1],
+        number,
+        padding: 0,
+    }
+}
+
+/// Adds the pieces of a course to those of others: the first, and the end; none of no course.
+pub(super) fn course_record(course: Option<&Course>, pieces: &mut Vec<Piece>) -> [u32; 2] {
+    let first = pieces.len() as u32;
+    pieces.extend(course.into_iter().flat_map(Course::pieces).map(|piece| piece_record(&piece, 0)));
+    [first, pieces.len() as u32]
+}
+
 impl Step {
     /// Tells it that so many steps are done when the present one is.
     pub(super) fn set_clock(&mut self, plan: &Plan, steps: u64) {
@@ -193,6 +215,9 @@ impl Step {
         self.time = plan.time(steps);
         self.middle_time = plan.middle(steps);
         self.next_time = plan.time(steps + 1);
+        self.heat_time = plan.heat_time(steps);
+        self.heat_middle_time = plan.heat_middle(steps);
+        self.next_heat_time = plan.heat_time(steps + 1);
     }
 }
 
@@ -202,6 +227,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
     let half_skin = 0.5 * plan.search.skin;
     let period = plan.domain.period();
     let ticks = Ticks::of(plan);
+    let conductor = plan.heat.as_ref().and_then(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)));
     // Bounds of directions that repeat are not a limit: a centre is brought back in before it is looked at.
     let mut step = Step {
         dt: plan.dt,
@@ -219,9 +245,16 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         domain_min: Vector(plan.domain.min),
         domain_max: Vector(plan.domain.max),
         period: Box3::from(&period),
-        pair: only_interaction(plan, state).map(Pair::from).unwrap_or_default(),
+        pair: only_of_pairs(plan, state, |a, b| plan.interaction(a, b)).map(Pair::from).unwrap_or_default(),
         bond: Beam::default(),
         local_damping: plan.bonds.as_ref().map_or(0.0, |bonds| bonds.local_damping),
+        heat_dt: plan.heat_step(),
+        heat_time: 0.0,
+        heat_middle_time: 0.0,
+        next_heat_time: 0.0,
+        reference_temperature: plan.heat.as_ref().map_or(0.0, |heat| heat.reference_temperature),
+        conductor: conductor.map(ConductorOf::from).unwrap_or_default(),
+        link: LinkOf::default(),
         particles: particles as u32,
         walls: plan.walls.len() as u32,
         items: particles.max(plan.walls.len()) as u32,

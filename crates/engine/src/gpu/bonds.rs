@@ -1,5 +1,6 @@
 //! Bonds on a device, see `kernels/bond.cl`.
 
+use super::heat;
 use super::layout::{
     Beam, FollowEnds, InvertOrder, JointOf, PutBonds, PutStrengths, TakeBonds, TakeNumbers, TakeStrengths, Vector,
 };
@@ -72,6 +73,8 @@ pub(super) struct Apart<M> {
     pub(super) reaction: Buffer<Vector, M>,
     /// What dashpots took in this step, J, `(B)`; empty without a ledger.
     pub(super) lost: Buffer<f64, M>,
+    /// Heat rate into the first particle, W, `(B)`; empty without heat.
+    pub(super) flow: Buffer<f64, M>,
 }
 
 /// Rows of bonds as they are laid out: a slot of a particle and the bond that stands in it.
@@ -243,6 +246,7 @@ impl<M> Apart<M> {
             history: queue.buffer_of(&history)?,
             reaction: queue.zeros(3 * present(true))?,
             lost: queue.zeros(present(variant.ledger && variant.bond_dashpots()))?,
+            flow: queue.zeros(present(variant.heat.is_some()))?,
         })
     }
 
@@ -302,7 +306,7 @@ pub(super) fn bytes_each(plan: &Plan) -> [usize; 2] {
     let (row, mut bond) = (12 * word, word + real);
     let apart = remembers || plan.search.every_step;
     if apart {
-        bond += 2 * word + 9 * real;
+        bond += 2 * word + 9 * real + heat::bytes_each(plan)[1];
     }
     if remembers {
         bond += (1 + HISTORY) * real;

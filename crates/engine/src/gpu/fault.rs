@@ -36,6 +36,20 @@ impl<R: Runtime> Gpu<R> {
         })
     }
 
+    /// The fault of a temperature that is none, the lowest rank of all, at the prediction after `done` steps.
+    pub(super) fn unphysical(&self, done: u64) -> Result<Fault, Error> {
+        let temperature = self.queue.read(&self.halves[self.now].temperature, self.particles)?;
+        let rank = self.queue.read(&self.fields.rank, self.particles)?;
+        let wrong = temperature.iter().zip(&rank).filter(|&(&t, _)| !(t > 0.0 && t.is_finite()));
+        let step = self.step + done + 1;
+        Ok(match wrong.min_by_key(|&(_, &rank)| rank) {
+            Some((&temperature, &rank)) => {
+                Fault::Temperature { step, time: self.plan.time(step), particle: self.ids[rank as usize], temperature }
+            }
+            None => Fault::Inconsistent { what: "the device found no temperature where the host finds one" },
+        })
+    }
+
     /// The fault of two particles that overlap too much, the lowest ranks of all, in the last of `done` steps, which read
     /// the given half.
     pub(super) fn crushed(&self, half: usize, done: u64) -> Result<Fault, Error> {

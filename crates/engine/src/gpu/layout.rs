@@ -26,6 +26,7 @@ use crate::cpu::Quad;
 use bytemuck::{Pod, Zeroable};
 use tdem_physics::bond;
 use tdem_physics::contact::Interaction;
+use tdem_physics::heat::{Conductor, Exchange, Link};
 use tdem_physics::print::Members;
 
 /// A type that the host and kernels lay out alike.
@@ -89,6 +90,18 @@ flat!(
 flat!(
     /// [`bond::Joint`], as the printed laws lay it out.
     JointOf as "Joint", 9 from bond::Joint<f64>
+);
+flat!(
+    /// [`Conductor`], as the printed laws lay it out.
+    ConductorOf as "Conductor", 2 from Conductor<f64>
+);
+flat!(
+    /// [`Link`], as the printed laws lay it out.
+    LinkOf as "Link", 3 from Link<f64>
+);
+flat!(
+    /// [`Exchange`], as the printed laws lay it out.
+    ExchangeOf as "Exchange", 4 from Exchange<f64>
 );
 flat!(
     /// [`tdem_physics::contact::Period`], as the printed laws lay it out.
@@ -162,6 +175,20 @@ records! {
         bond: Beam,
         /// Coefficient of local damping.
         local_damping: f64,
+        /// The step of the heat, s.
+        heat_dt: f64,
+        /// Time of the heat at the end of the present step, s.
+        heat_time: f64,
+        /// Time of the heat in the middle of the next step, s.
+        heat_middle_time: f64,
+        /// Time of the heat at the end of the next step, s.
+        next_heat_time: f64,
+        /// Where radii are those that were given and bonds are free of stress, K.
+        reference_temperature: f64,
+        /// What contacts conduct with, if that is the same for all.
+        conductor: ConductorOf,
+        /// What all bonds are to heat, if there is only one kind of them.
+        link: LinkOf,
         particles: u32,
         walls: u32,
         /// Work-items: the larger of both.
@@ -182,11 +209,13 @@ records! {
         bonds: u32,
         padding: u32,
     }
-    /// A plane wall.
+    /// A plane wall. Its temperature is that of its pieces; without any it is insulated.
     Wall {
         normal: Vector,
         velocity: Vector,
         material: u32,
+        first_piece: u32,
+        end_piece: u32,
         padding: u32,
     }
     /// Components of motion that forces do not govern: three bits for the velocity, three for the angular velocity. Pieces
@@ -201,7 +230,7 @@ records! {
         end_piece: u32,
         padding: u32,
     }
-    /// A straight piece of a ramp: it holds from a time on until another.
+    /// A straight piece of a ramp or of a course: it holds from a time on until another.
     Piece {
         /// s.
         from: f64,
@@ -212,9 +241,29 @@ records! {
         start_value: f64,
         end: f64,
         end_value: f64,
-        /// Which of the nine numbers of a constraint it is about.
+        /// Which of the nine numbers of a constraint a ramp is about.
         number: u32,
         padding: u32,
+    }
+    /// What a material is to heat.
+    Thermal {
+        /// J/(kg K).
+        specific_heat: f64,
+        /// 1/K.
+        expansion: f64,
+    }
+    /// How particles exchange heat with their surroundings: at a temperature that pieces prescribe, or through exchanges.
+    Exposure {
+        first_piece: u32,
+        end_piece: u32,
+        first_exchange: u32,
+        end_exchange: u32,
+    }
+    /// One exchange, and the pieces of the outside value.
+    Exchanging {
+        exchange: ExchangeOf,
+        first_piece: u32,
+        end_piece: u32,
     }
     /// What the kernels of a search are told.
     Search {
@@ -384,32 +433,39 @@ kernels! {
         step: value Step, status: shared u32,
         place: update Quad, motion: update Quad, spin: update Quad, force: read Quad, moment: read Quad,
         derivatives_x: update Quad, derivatives_y: update Quad, derivatives_z: update Quad,
-        image: seldom i32, kind: read u32 where |v| v.constrained,
-        constraints: read Constraint where |v| v.constrained, pieces: read Piece where |v| v.ramps,
-        reference: amend u64,
+        image: seldom i32, kind: read u32 where |v| v.constrained || v.heat.is_some(),
+        constraints: read Constraint where |v| v.constrained, pieces: read Piece, reference: amend u64,
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
+        temperature: update f64, reference_radius: read f64, listed_radius: read f64, thermals: read Thermal,
+        exposure: read u32, exposures: read Exposure, heat_in: seldom f64, heat_out: seldom f64,
     }
     /// See `kernels/bond.cl`.
     bond as EvaluateBonds(128, 4) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad where |v| v.bonds_move(), spin: read Quad where |v| v.bonds_move(),
         orientation: read Quad where |v| !v.bonds_remember(), bonded_place: read Quad where |v| !v.bonds_remember(),
-        kind: read u32 where |v| !v.one_bond, interactions: seldom Pair,
+        kind: read u32 where |v| !v.one_bond || v.links_by_material(), interactions: seldom Pair,
         joints: read JointOf where |v| !v.alike_bonds, beams: read Beam where |v| v.alike_bonds && !v.one_bond,
         slice: seldom u32, other: seldom u32, bond_other: seldom u32, bond_ends: amend u32, bond_length: read f64,
         bond_strength: read f64, bond_history: update f64, reaction: write Vector, bond_lost: write f64,
         broken: seldom u32, released: seldom f64, kick_by_half: read Quad, twist_by_half: read Quad,
+        temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius(),
+        thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
+        links: read LinkOf where |v| !v.one_link, bond_flow: write f64,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
-        kind: read u32 where |v| !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond,
+        kind: read u32 where |v| {
+            !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material()
+                || v.heat.is_some() && !v.one_conductor
+        },
         rank: read u32 where |v| v.ledger,
         interactions: read Pair where |v| !v.one_pair,
         constraints: read Constraint where |v| v.asks_constraints(),
-        pieces: read Piece where |v| v.ramps && v.asks_constraints(),
+        pieces: read Piece where |v| v.asks_constraints() || v.heat.is_some(),
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad,
         kick_by_half: read Quad, twist_by_half: read Quad, accounts: update Quad,
@@ -418,7 +474,11 @@ kernels! {
         beams: read Beam where |v| v.alike_bonds && !v.one_bond && !v.bonds_apart,
         bond_other: amend u32 where |v| !v.bonds_apart, bond_start: seldom u32,
         bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
-        bond_number: read u32, reaction: read Vector, bond_lost: read f64,
+        bond_number: read u32, reaction: read Vector, bond_lost: read f64, bond_flow: read f64,
+        temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius() && !v.bonds_apart,
+        thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
+        links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        heat_in: seldom f64, heat_out: seldom f64,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {
@@ -433,9 +493,10 @@ kernels! {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad,
         next_place: write Quad, next_motion: write Quad, next_spin: write Quad,
-        image: seldom i32, kind: read u32 where |v| v.constrained || !v.one_pair || v.bonds && !v.one_bond,
+        image: seldom i32,
+        kind: read u32 where |v| v.constrained || !v.one_pair || v.bonds && !v.one_bond || v.heat.is_some(),
         interactions: read Pair where |v| !v.one_pair, constraints: read Constraint where |v| v.constrained,
-        pieces: read Piece where |v| v.ramps, reference: amend u64,
+        pieces: read Piece, reference: amend u64,
         slice: read u32, other: amend u32, displacement: touching_update f64,
         walls: read Wall, wall_place: read Quad, next_wall_place: write Quad, wall_reference: read Quad,
         rank: seldom u32, orientation: read Quad, next_orientation: write Quad,
@@ -444,7 +505,10 @@ kernels! {
         beams: read Beam where |v| v.alike_bonds && !v.one_bond && !v.bonds_apart,
         bond_other: amend u32 where |v| !v.bonds_apart, bond_start: seldom u32,
         bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
-        bond_number: read u32, reaction: read Vector,
+        bond_number: read u32, reaction: read Vector, bond_flow: read f64,
+        temperature: read f64, next_temperature: write f64, reference_radius: read f64, listed_radius: read f64,
+        thermals: read Thermal, conductors: read ConductorOf where |v| !v.one_conductor,
+        links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
     }
     /// See `kernels/bond.cl`.
     take_bonds as TakeBonds(128, 4) {
@@ -504,6 +568,8 @@ kernels! {
     /// See `kernels/search.cl`.
     take_quads as TakeQuads(128, 4) { particles: value u32, order: read u32, from: read Quad, to: write Quad }
     /// See `kernels/search.cl`.
+    take_reals as TakeReals(128, 4) { particles: value u32, order: read u32, from: read f64, to: write f64 }
+    /// See `kernels/search.cl`.
     take_words as TakeWords(128, 4) { particles: value u32, order: read u32, from: read u32, to: write u32 }
     /// See `kernels/search.cl`.
     take_images as TakeImages(128, 4) { particles: value u32, order: read u32, from: read i32, to: write i32 }
@@ -519,7 +585,7 @@ kernels! {
         order: read u32, starts: read u32 where |v| v.friction(), partners: read u32 where |v| v.friction(),
         remembered: read f64 where |v| v.friction(), slice: read u32, other: write u32,
         displacement: write f64, reference: write u64, wall_reference: write Quad,
-        bond_other: read u32 where |v| v.bonds_keep_off,
+        bond_other: read u32 where |v| v.bonds_keep_off, listed_radius: write f64,
     }
 }
 
@@ -538,11 +604,14 @@ mod tests {
             (Pair::NAME, size_of::<Pair>()),
             (Beam::NAME, size_of::<Beam>()),
             (JointOf::NAME, size_of::<JointOf>()),
+            (ConductorOf::NAME, size_of::<ConductorOf>()),
+            (LinkOf::NAME, size_of::<LinkOf>()),
+            (ExchangeOf::NAME, size_of::<ExchangeOf>()),
             (Box3::NAME, size_of::<Box3>()),
             (Vector::NAME, size_of::<Vector>()),
             (Quad::NAME, size_of::<Quad>()),
         ]);
-        let mut source = print::types() + &print::bond_types() + &record_definitions();
+        let mut source = print::types() + &print::bond_types() + &print::heat_types() + &record_definitions();
         source += "KERNEL(64, 1) sizes(GLOBAL u32 *RESTRICT size)\n{\n    FOR_EACH(i, 1u) {\n";
         for (k, (name, _)) in sizes.iter().enumerate() {
             let _ = writeln!(source, "        size[{k}] = (u32)sizeof({name});");

@@ -2,9 +2,10 @@
 
 use super::layout;
 use crate::bond::only_bond;
-use crate::{BondPlan, Integrator, Plan, State};
+use crate::{BondPlan, HeatPlan, Integrator, Plan, State};
 use std::fmt::Write;
-use tdem_physics::contact::{Friction, Interaction};
+use tdem_physics::contact::Friction;
+use tdem_physics::heat::{Link, Path};
 use tdem_physics::{bond, print};
 
 /// What is decided when the kernels are built.
@@ -42,19 +43,43 @@ pub(crate) struct Variant {
     /// Whether bonds that hold keep contact off.
     pub(crate) bonds_keep_off: bool,
     pub(crate) local_damping: bool,
+    /// How heat goes through contacts, if there is heat.
+    pub(crate) heat: Option<Path>,
+    /// Whether radii and bonds follow temperatures.
+    pub(crate) expands: bool,
+    /// Whether particles exchange heat with their surroundings.
+    pub(crate) exposed: bool,
+    /// Whether all contacts conduct with the same.
+    pub(crate) one_conductor: bool,
+    /// Whether all bonds of a pair of materials are the same to heat.
+    pub(crate) alike_links: bool,
+    /// Whether there is only one kind of them.
+    pub(crate) one_link: bool,
 }
 
-/// The parameters of all contacts that particles of this state can have, if they are the same for all.
-pub(crate) fn only_interaction<'a>(plan: &'a Plan, state: &State) -> Option<&'a Interaction<f64>> {
+/// What all contacts that particles of this state can have are told, if it is the same for all.
+pub(crate) fn only_of_pairs<'a, T: PartialEq>(
+    plan: &'a Plan,
+    state: &State,
+    of_pair: impl Fn(u16, u16) -> &'a T,
+) -> Option<&'a T> {
     let mut present = vec![false; plan.materials];
     for &material in &state.material {
         present[usize::from(material)] = true;
     }
     let present: Vec<u16> = (0..plan.materials as u16).filter(|&m| present[usize::from(m)]).collect();
     let partners = present.iter().copied().chain(plan.walls.iter().map(|wall| wall.material));
-    let mut all = partners.flat_map(|b| present.iter().map(move |&a| plan.interaction(a, b)));
+    let pairs = partners.flat_map(|b| present.iter().map(move |&a| (a, b)));
+    let mut all = pairs.map(|(a, b)| of_pair(a, b));
     let first = all.next()?;
     all.all(|other| other == first).then_some(first)
+}
+
+/// What all bonds are to heat, if a table of [`State::alike_links`] has only one kind of them.
+pub(crate) fn only_link(table: &[Option<Link<f64>>]) -> Option<Link<f64>> {
+    let mut present = table.iter().flatten();
+    let first = present.next()?;
+    present.all(|link| link == first).then_some(*first)
 }
 
 fn alike(values: &[f64]) -> bool {
@@ -63,7 +88,8 @@ fn alike(values: &[f64]) -> bool {
 
 impl Variant {
     pub(crate) fn of(plan: &Plan, state: &State) -> Self {
-        let alike_bonds = state.alike_bonds(plan);
+        let (alike_bonds, alike_links) = (state.alike_bonds(plan), state.alike_links(plan));
+        let (heat, expands) = (plan.heat.as_ref(), plan.expands());
         Variant {
             law: plan.law,
             gear: plan.integrator == Integrator::Gear,
@@ -72,8 +98,8 @@ impl Variant {
             constrained: plan.constraints.len() > 1,
             ramps: !plan.ramps.is_empty(),
             applied_forces: plan.applies_forces(),
-            one_pair: only_interaction(plan, state).is_some(),
-            one_radius: alike(&state.radius),
+            one_pair: only_of_pairs(plan, state, |a, b| plan.interaction(a, b)).is_some(),
+            one_radius: alike(&state.radius) && !expands,
             one_mass: alike(&state.mass),
             bond_law: plan.bonds.as_ref().map(|bonds| bonds.law),
             bonds: !state.bonds.is_empty(),
@@ -85,6 +111,12 @@ impl Variant {
             bonds_keep_off: !state.bonds.is_empty()
                 && plan.bonds.as_ref().is_some_and(|bonds| !bonds.contact_in_bonded_pairs),
             local_damping: plan.bonds.as_ref().is_some_and(|bonds| bonds.local_damping > 0.0),
+            heat: heat.map(|heat| heat.contacts),
+            expands,
+            exposed: heat.is_some_and(HeatPlan::exposes),
+            one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
+            alike_links: alike_links.is_some(),
+            one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),
         }
     }
     /// Whether a step is one kernel.
@@ -107,6 +139,18 @@ impl Variant {
     pub(crate) fn bonds_move(&self) -> bool {
         self.bonds_remember() || self.bond_dashpots()
     }
+    /// Whether what a bond is to heat is looked up by materials.
+    pub(crate) fn links_by_material(&self) -> bool {
+        self.bonds && self.heat.is_some() && !self.one_link
+    }
+    /// Whether the numbers of a bond are worked out from radii at the reference temperature.
+    pub(crate) fn bonds_by_radius(&self) -> bool {
+        self.bonds && self.expands && !(self.alike_bonds && self.alike_links)
+    }
+    /// Whether a contact must look for a bond beside it.
+    pub(crate) fn contacts_beside_bonds(&self) -> bool {
+        self.bonds && !self.bonds_keep_off && self.heat.is_some_and(|path| path != Path::Closed)
+    }
     /// Whether touching pairs remember anything.
     pub(crate) fn friction(&self) -> bool {
         self.law.friction != Friction::Off
@@ -116,6 +160,7 @@ impl Variant {
         let written = |name: &&str| match *name {
             "fused" => self.fused(),
             "bond" | "take_numbers" | "follow_ends" => self.bonds_apart,
+            "take_reals" => self.heat.is_some(),
             "take_bonds" | "put_bonds" | "take_strengths" | "put_strengths" | "invert_order" => self.bonds,
             _ => true,
         };
@@ -148,6 +193,14 @@ impl Variant {
             ("SCATTERED_BONDS", self.scattered_bonds),
             ("BONDS_KEEP_OFF", self.bonds_keep_off),
             ("LOCAL_DAMPING", self.local_damping),
+            ("HEAT", self.heat.is_some()),
+            ("HEAT_THROUGH_CONTACTS", self.heat.is_some_and(|path| path != Path::Closed)),
+            ("EXPANDS", self.expands),
+            ("EXPOSED", self.exposed),
+            ("ONE_CONDUCTOR", self.one_conductor),
+            ("ALIKE_LINKS", self.alike_links),
+            ("ONE_LINK", self.one_link),
+            ("CONTACTS_BESIDE_BONDS", self.contacts_beside_bonds()),
         ];
         for (name, on) in switches {
             let _ = writeln!(text, "#define {name} {}", u8::from(on));
@@ -157,11 +210,14 @@ impl Variant {
         text.push('\n');
         text += &self.bond_law.map_or_else(print::bond_types, print::bond_source);
         text.push('\n');
+        text += &self.heat.map_or_else(print::heat_types, print::heat_source);
+        text.push('\n');
         text += &layout::record_definitions();
         let mut skeletons = String::new();
         for file in [
             include_str!("kernels/particle.cl"),
             include_str!("kernels/body.cl"),
+            include_str!("kernels/heat.cl"),
             include_str!("kernels/correct.cl"),
             include_str!("kernels/predict.cl"),
             include_str!("kernels/bond.cl"),

@@ -5,7 +5,8 @@
 
 use super::bodies::{Constants, Fields, Half, step_record, unpaired};
 use super::bonds::Bonds;
-use super::layout::{Contact, Correct, EvaluateBonds, Fused, Predict, Step};
+use super::heat::Heat;
+use super::layout::{Contact, Correct, EvaluateBonds, Fused, LinkOf, Predict, Step};
 use super::memory::{Arriving, Buffer, Queue};
 use super::program::Variant;
 use super::runtime::{Error, Runtime};
@@ -21,6 +22,7 @@ const DONE: usize = 2;
 const FARTHEST_STEP: usize = 3;
 const ASTRAY: u32 = 2;
 const CRUSHED: u32 = 4;
+const UNPHYSICAL: u32 = 8;
 
 /// Steps launched before the status is looked at, at most: fewer where lists do not last as long, since what is launched
 /// behind a halt does nothing. Two batches are under way, so that the device never waits.
@@ -52,6 +54,7 @@ pub(crate) struct Gpu<R: Runtime> {
     pub(super) histories: Histories<R::Memory>,
     pub(super) scratch: Scratch<R::Memory>,
     pub(super) bonds: Bonds<R::Memory>,
+    pub(super) heat: Heat<R::Memory>,
     status: Buffer<u32, R::Memory>,
     pub(super) step_record: Step,
     /// Whether a step is one kernel.
@@ -71,6 +74,8 @@ impl<R: Runtime> Gpu<R> {
         let n = state.len();
         let friction = plan.law.friction != Friction::Off;
         let fields = Fields::new(&queue, &state, plan)?;
+        let mut pieces = Vec::new();
+        let heat = Heat::of_state(&queue, &state, plan, &variant, &mut pieces)?;
         let speed_squared = state.velocity.iter().map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).fold(0.0, f64::max);
         let mut gpu = Gpu {
             plan: plan.clone(),
@@ -82,7 +87,8 @@ impl<R: Runtime> Gpu<R> {
             halves: [Half::new(&queue, &state, plan)?, Half::new(&queue, &state, plan)?],
             bonds: Bonds::of_state(&queue, &state, plan, &variant)?,
             now: 0,
-            constants: Constants::new(&queue, plan)?,
+            constants: Constants::new(&queue, plan, pieces)?,
+            heat,
             rows: Rows::new(&queue, n, plan.walls.len())?,
             histories: Histories::of_state(&queue, &state, friction)?,
             scratch: Scratch::new(&queue, n)?,
@@ -100,6 +106,7 @@ impl<R: Runtime> Gpu<R> {
         gpu.step_record.bond_slots = gpu.bonds.slots;
         gpu.step_record.bonds = gpu.bonds.table.len() as u32;
         gpu.step_record.bond = gpu.bonds.only.unwrap_or_default();
+        gpu.step_record.link = gpu.heat.only_link.as_ref().map(LinkOf::from).unwrap_or_default();
         gpu.halves[0].take_up(&gpu.queue, &state)?;
         if n > 0 {
             gpu.list_with(true)?;
@@ -112,12 +119,16 @@ impl<R: Runtime> Gpu<R> {
         Ok(gpu)
     }
 
-    /// Forces and moments of the state, into the half that is free between steps.
+    /// Forces, heat rates and moments of the state, into the half that is free between steps.
     fn take_up_forces(&mut self, state: &State) -> Result<(), Fault> {
         let rank = self.queue.read(&self.fields.rank, self.particles)?;
         let by_rank = |field: &[[f64; 3]]| -> Vec<[f64; 3]> { rank.iter().map(|&r| field[r as usize]).collect() };
         let free = &self.halves[1 - self.now];
-        self.queue.upload(&free.place, &unpaired(&by_rank(&state.force)))?;
+        let mut forces = unpaired(&by_rank(&state.force));
+        if self.plan.heat.is_some() {
+            forces.iter_mut().zip(&rank).for_each(|(force, &rank)| force.0[3] = state.heat_rate[rank as usize]);
+        }
+        self.queue.upload(&free.place, &forces)?;
         if self.plan.law.moments {
             self.queue.upload(&free.spin, &unpaired(&by_rank(&state.moment)))?;
         }
@@ -238,6 +249,14 @@ impl<R: Runtime> Gpu<R> {
                 kick_by_half: &fields.kick_by_half,
                 twist_by_half: &fields.twist_by_half,
                 orientation: &half.orientation,
+                temperature: &half.temperature,
+                reference_radius: &self.heat.reference_radius,
+                listed_radius: &self.heat.listed_radius,
+                thermals: &self.heat.thermals,
+                exposure: &self.heat.exposure,
+                exposures: &self.heat.exposures,
+                heat_in: &self.heat.came_in,
+                heat_out: &self.heat.went_out,
             },
             step.items as usize,
         )
@@ -291,6 +310,12 @@ impl<R: Runtime> Gpu<R> {
             released: &bonds.released,
             kick_by_half: &fields.kick_by_half,
             twist_by_half: &fields.twist_by_half,
+            temperature: &half.temperature,
+            reference_radius: &self.heat.reference_radius,
+            thermals: &self.heat.thermals,
+            conductors: &self.heat.conductors,
+            links: &self.heat.links,
+            bond_flow: &bonds.apart.flow,
         }
     }
 
@@ -331,6 +356,17 @@ impl<R: Runtime> Gpu<R> {
                 bond_number: &self.bonds.apart.number,
                 reaction: &self.bonds.apart.reaction,
                 bond_lost: &self.bonds.apart.lost,
+                bond_flow: &self.bonds.apart.flow,
+                temperature: &half.temperature,
+                reference_radius: &self.heat.reference_radius,
+                thermals: &self.heat.thermals,
+                conductors: &self.heat.conductors,
+                links: &self.heat.links,
+                exposure: &self.heat.exposure,
+                exposures: &self.heat.exposures,
+                exchanges: &self.heat.exchanges,
+                heat_in: &self.heat.came_in,
+                heat_out: &self.heat.went_out,
             },
             self.particles,
         )
@@ -405,6 +441,17 @@ impl<R: Runtime> Gpu<R> {
             released: &self.bonds.released,
             bond_number: &self.bonds.apart.number,
             reaction: &self.bonds.apart.reaction,
+            bond_flow: &self.bonds.apart.flow,
+            temperature: &half.temperature,
+            next_temperature: &next.temperature,
+            reference_radius: &self.heat.reference_radius,
+            listed_radius: &self.heat.listed_radius,
+            thermals: &self.heat.thermals,
+            conductors: &self.heat.conductors,
+            links: &self.heat.links,
+            exposure: &self.heat.exposure,
+            exposures: &self.heat.exposures,
+            exchanges: &self.heat.exchanges,
         }
     }
 
@@ -460,6 +507,8 @@ impl<R: Runtime> Gpu<R> {
             Err(self.crushed(half, done)?)
         } else if flags & ASTRAY != 0 {
             Err(self.astray(done)?)
+        } else if flags & UNPHYSICAL != 0 {
+            Err(self.unphysical(done)?)
         } else {
             Ok(())
         }

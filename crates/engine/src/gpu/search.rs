@@ -2,7 +2,7 @@
 
 use super::layout::{
     Bounds, Box3, Cells, HistoryCount, HistoryWrite, InC, Level, OrderCells, OrderRanks, RowsCount, RowsFill, ScanAdd,
-    ScanBlocks, ScanSums, Search, TakeImages, TakeQuads, TakeWords, Vector,
+    ScanBlocks, ScanSums, Search, TakeImages, TakeQuads, TakeReals, TakeWords, Vector,
 };
 use super::memory::{Buffer, Queue};
 use super::run::Gpu;
@@ -152,6 +152,10 @@ impl<R: Runtime> Gpu<R> {
     /// Lists all pairs within the skin anew, in the order of space, with the histories put aside, if any.
     pub(super) fn list_with(&mut self, histories: bool) -> Result<(), Fault> {
         let n = self.particles;
+        let occupied = if self.plan.expands() { Some(self.occupied()?) } else { None };
+        if let Some([low, high]) = &occupied {
+            (self.smallest, self.largest) = (low.scalar(), high.scalar());
+        }
         let skin = self.list_skin();
         let reach = 2.0 * self.largest + skin;
         for (length, periodic) in self.plan.domain.length().into_iter().zip(self.plan.domain.periodic) {
@@ -161,7 +165,7 @@ impl<R: Runtime> Gpu<R> {
         }
         let reordered = self.searches.is_multiple_of(if self.plan.search.every_step { REORDER_EVERY } else { 1 });
         self.searches += 1;
-        let (levels, cells) = self.levels(skin)?;
+        let (levels, cells) = self.levels(skin, occupied)?;
         let wraps = self.plan.domain.periodic.iter().enumerate().fold(0, |bits, (k, &p)| bits | u32::from(p) << k);
         let search = Search {
             skin,
@@ -276,6 +280,7 @@ impl<R: Runtime> Gpu<R> {
                 reference: &rows.reference,
                 wall_reference: &rows.wall_reference,
                 bond_other: &self.bonds.other,
+                listed_radius: &self.heat.listed_radius,
             },
             search.items as usize,
         )?;
@@ -320,14 +325,19 @@ impl<R: Runtime> Gpu<R> {
     }
 
     /// The cells of each size class over the space that particles occupy, and the number of all cells.
-    fn levels(&self, skin: f64) -> Result<(Vec<Level>, usize), Fault> {
+    fn levels(&self, skin: f64, occupied: Option<[Quad; 2]>) -> Result<(Vec<Level>, usize), Fault> {
         let domain = &self.plan.domain;
         // Scattered particles would make a grid of mostly empty cells: coarsen it until cells are as many as particles.
         let budget = (4 * self.particles).max(64) as f64;
         let width = 2.0 * self.largest + skin;
         let of_domain: f64 = domain.length().iter().map(|length| (length / width).max(1.0)).product();
         // A domain of few cells is taken as it is: looking for the bounds of the particles takes longer.
-        let (low, high) = if of_domain <= budget { (domain.min, domain.max) } else { self.occupied()? };
+        let (low, high) = if of_domain <= budget {
+            (domain.min, domain.max)
+        } else {
+            let [low, high] = occupied.map_or_else(|| self.occupied(), Ok)?;
+            (low.vector().into(), high.vector().into())
+        };
         let min: [f64; 3] = std::array::from_fn(|k| if domain.periodic[k] { domain.min[k] } else { low[k] });
         let max: [f64; 3] = std::array::from_fn(|k| if domain.periodic[k] { domain.max[k] } else { high[k] });
         let (mut levels, mut cells) = (Vec::new(), 0_u32);
@@ -362,20 +372,20 @@ impl<R: Runtime> Gpu<R> {
         Ok((levels, cells as usize))
     }
 
-    /// The bounds of all centres.
-    fn occupied(&self) -> Result<([f64; 3], [f64; 3]), Fault> {
+    /// The bounds of all centres and of all radii.
+    fn occupied(&self) -> Result<[Quad; 2], Fault> {
         let corners = &self.scratch.corners;
         let call = Bounds { particles: self.particles as u32, place: &self.halves[self.now].place, corners };
         self.queue.run_groups(&call, BOUNDS_GROUPS)?;
         let corners = self.queue.read(corners, 2 * BOUNDS_GROUPS)?;
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut bounds = [Quad([f64::INFINITY; 4]), Quad([f64::NEG_INFINITY; 4])];
         for pair in corners.chunks_exact(2) {
-            for k in 0..3 {
-                low[k] = low[k].min(pair[0].0[k]);
-                high[k] = high[k].max(pair[1].0[k]);
+            for k in 0..4 {
+                bounds[0].0[k] = bounds[0].0[k].min(pair[0].0[k]);
+                bounds[1].0[k] = bounds[1].0[k].max(pair[1].0[k]);
             }
         }
-        Ok((low, high))
+        Ok(bounds)
     }
 
     /// Puts all fields in the order found.
@@ -396,6 +406,9 @@ impl<R: Runtime> Gpu<R> {
                 queue.run(&TakeQuads { particles, order, from, to }, n)?;
             }
         }
+        if from.temperature.len() > 0 {
+            queue.run(&TakeReals { particles, order, from: &from.temperature, to: &to.temperature }, n)?;
+        }
         queue.copy(&from.wall_place, &to.wall_place)?;
         self.now = 1 - self.now;
         // What these halves held is elsewhere now: the free one is room in which a field is put in order.
@@ -404,6 +417,7 @@ impl<R: Runtime> Gpu<R> {
         if self.bonds.slots > 0 {
             self.bonds.reorder(queue, order, &free.place, room)?;
         }
+        self.heat.reorder(queue, order, room)?;
         for field in [&fields.rank, &fields.kind] {
             let to = &room.room(n);
             queue.run(&TakeWords { particles, order, from: field, to }, n)?;

@@ -35,6 +35,11 @@ struct Snapshot<R: Runtime> {
     broken: Arriving<u32, R>,
     released: Arriving<f64, R>,
     bond_history: Arriving<f64, R>,
+    temperature: Arriving<f64, R>,
+    heat_in: Arriving<f64, R>,
+    heat_out: Arriving<f64, R>,
+    exposure: Arc<Vec<u16>>,
+    reference_radius: Arc<Vec<f64>>,
 }
 
 impl<R: Runtime> Gpu<R> {
@@ -70,6 +75,11 @@ impl<R: Runtime> Gpu<R> {
             broken: queue.fetch(&self.bonds.broken, all)?,
             released: queue.fetch(&self.bonds.released, all)?,
             bond_history: queue.fetch(&self.bonds.apart.history, all)?,
+            temperature: queue.fetch(&half.temperature, all)?,
+            heat_in: queue.fetch(&self.heat.came_in, all)?,
+            heat_out: queue.fetch(&self.heat.went_out, all)?,
+            exposure: Arc::clone(&self.heat.exposure_by_rank),
+            reference_radius: Arc::clone(&self.heat.reference_by_rank),
         };
         queue.flush()?;
         Ok(move || snapshot.state())
@@ -85,6 +95,8 @@ impl<R: Runtime> Snapshot<R> {
         let [dx, dy, dz] = &mut self.derivatives;
         let derivatives = [dx.view()?, dy.view()?, dz.view()?];
         let orientation = self.orientation.view()?;
+        let (temperature, force) = (self.temperature.view()?, self.force.view()?);
+        let (heat_in, heat_out) = (self.heat_in.view()?, self.heat_out.view()?);
         let moments = self.spins.is_empty();
         let put_aside = PutAside {
             ids: &self.ids,
@@ -98,6 +110,7 @@ impl<R: Runtime> Snapshot<R> {
             step: self.step,
             forces_known: true,
             initial_energy: 0.0,
+            initial_heat: 0.0,
             material: gather(&at, |i| kind[i] as u16),
             constraint: gather(&at, |i| (kind[i] >> 16) as u16),
             radius: gather(&at, |i| place[i].scalar()),
@@ -110,7 +123,7 @@ impl<R: Runtime> Snapshot<R> {
             },
             velocity: vectors(&at, motion),
             angular_velocity: if moments { vectors(&at, self.spin.view()?) } else { self.spins },
-            force: vectors(&at, self.force.view()?),
+            force: vectors(&at, force),
             moment: if moments { vectors(&at, self.moment.view()?) } else { vec![[0.0; 3]; n] },
             orientation: if orientation.is_empty() { Vec::new() } else { gather(&at, |i| orientation[i].0) },
             bonded_position: self.bonded_position.to_vec(),
@@ -125,8 +138,12 @@ impl<R: Runtime> Snapshot<R> {
             wall_contacts,
             bonds: with_breakages(&self.bonds, self.since, self.broken.view()?, self.released.view()?),
             bond_histories: histories(self.bond_history.view()?),
+            temperature: if temperature.is_empty() { Vec::new() } else { gather(&at, |i| temperature[i]) },
+            heat_rate: if temperature.is_empty() { Vec::new() } else { gather(&at, |i| force[i].scalar()) },
+            exposure: self.exposure.to_vec(),
+            reference_radius: self.reference_radius.to_vec(),
+            heat_accounts: if heat_in.is_empty() { Vec::new() } else { gather(&at, |i| [heat_in[i], heat_out[i]]) },
             id: self.ids,
-            ..State::default()
         })
     }
 }

@@ -110,7 +110,7 @@ fn thermal_force(state: &State, plan: &Plan) -> f64 {
             let [first, second] = [i, j].map(|index| state.bonded_sphere(index));
             let damping = plan.bonds.as_ref()?.law.damping;
             let stiffness = joint.bond_of_spheres(damping, &first, &second, length, 1.0).stiffness.normal;
-            Some(stiffness * (state.link(plan, i, j, length)?.free_strain(WARMTH, WARMTH) * length).abs())
+            Some(stiffness * (state.link(plan, i, j)?.free_strain(WARMTH, WARMTH) * length).abs())
         })();
         [force.unwrap_or(0.0)]
     };

@@ -1,8 +1,9 @@
 //! Scenes with heat.
 
-use super::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, chain, free_space};
+use super::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, chain, cracking_block, free_space};
 use super::{random, scene};
 use tdem_engine::cpu::Options;
+use tdem_engine::physics::bond;
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Conductor, Exchange, Path};
 use tdem_engine::{Course, Exposure, HeatPlan, Integrator, Motion, Plan, Simulation, State, Thermal};
@@ -73,6 +74,39 @@ pub(crate) fn warm_cloud() -> (State, Plan) {
         state.temperature[i] = 350.0 + 300.0 * random(11, i as u64);
         state.radius[i] = state.reference_radius[i] * (1.0 + EXPANSION * (state.temperature[i] - REFERENCE));
         state.exposure[i] = u16::from(i % 5 == 0);
+    }
+    (state, plan)
+}
+
+/// The cracking block of two materials that conduct and expand differently and of two sizes, warmed from below,
+/// held at a temperature at one end, losing and gaining heat through its top.
+pub(crate) fn warm_block(law: bond::Law, integrator: Integrator, expansion: f64) -> (State, Plan) {
+    let (mut state, mut plan) = cracking_block(law, integrator);
+    state.radius.iter_mut().step_by(3).for_each(|radius| *radius *= 0.97);
+    heated(&mut state, &mut plan, expansion);
+    let heat = heat_of(&mut plan);
+    heat.time_scale = 1e4;
+    heat.materials[1] = Thermal { specific_heat: 0.6 * SPECIFIC_HEAT, expansion: 0.7 * expansion };
+    let conductor = |conductivity| Conductor { conductivity, section: 0.35 };
+    heat.conductors = vec![conductor(1.5), conductor(2.1), conductor(2.1), conductor(3.5)];
+    heat.walls[0] = Some(Course(vec![[0.0, 300.0], [20.0, 500.0]]));
+    let convection = Exchange { flux_area: 0.0, conductance: 2e-3, radiation: 5e-12, resistance: 30.0 };
+    let flux = Exchange { flux_area: 1e-4, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+    let open = |exchanges| Exposure { temperature: None, exchanges };
+    heat.exposures.extend([
+        open(vec![(convection, Course(vec![[0.0, 300.0], [7.03, 900.0], [30.0, 400.0]]))]),
+        open(vec![(flux, constant(-300.0)), (convection, constant(350.0))]),
+        Exposure { temperature: Some(Course(vec![[1.0, 310.0], [25.0, 480.0]])), exchanges: Vec::new() },
+    ]);
+    let highest = state.position.iter().fold(0.0, |highest: f64, place| highest.max(place[2]));
+    for i in 0..state.len() {
+        let [x, _, z] = state.position[i];
+        state.temperature[i] = 300.0 + 200.0 * random(12, i as u64);
+        state.exposure[i] = match (x < 1e-3, z > 0.6 * highest) {
+            (true, _) => 3,
+            (false, true) => 1 + (i % 2) as u16,
+            (false, false) => 0,
+        };
     }
     (state, plan)
 }

@@ -13,7 +13,7 @@ pub struct Posture<R> {
     pub first_orientation: Quaternion<R>,
     /// Of the second body.
     pub second_orientation: Quaternion<R>,
-    /// Strain that the bond takes up without force, see [`expansion::free_strain`].
+    /// Strain that the bond takes up without force, see [`crate::heat::Link::free_strain`].
     pub free_strain: R,
 }
 

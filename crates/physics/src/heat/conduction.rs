@@ -60,7 +60,13 @@ pub fn pair_conductivity<R: Real>(first: R, second: R) -> R {
 /// Pacevič & Kačeniauskas (2022), eq. 6.
 #[inline(always)]
 pub fn bar<R: Real>(conductor: &Conductor<R>, radius_sum: R, length: R) -> R {
-    conductor.conductivity * (conductor.section * (radius_sum * radius_sum)) / length
+    conductance_length(conductor, radius_sum) / length
+}
+
+/// $HL = \lambda_{12}A$, W m/K.
+#[inline(always)]
+fn conductance_length<R: Real>(conductor: &Conductor<R>, radius_sum: R) -> R {
+    conductor.conductivity * (conductor.section * (radius_sum * radius_sum))
 }
 
 /// Conductance of the circle in which two spheres touch, $H = 2\lambda_{12}a$ with $a = \sqrt{R^*h}$, W/K.
@@ -115,11 +121,11 @@ pub fn flow<R: Real>(conductance: R, first_temperature: R, second_temperature: R
     conductance * (second_temperature - first_temperature)
 }
 
-/// What a bond is to heat. It conducts along the length and through the section that it had when it was made.
+/// What a bond is to heat, whatever its length. It conducts through the section that it had when it was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link<R> {
-    /// $H$, W/K.
-    pub conductance: R,
+    /// $HL = \lambda_{12}A$, W m/K: the conductance of a bond of unit length.
+    pub conductance_length: R,
     /// $\alpha_1R_1/(R_1+R_2)$: strain that it takes up without force per kelvin of the first body, 1/K.
     pub first_growth: R,
     /// $\alpha_2R_2/(R_1+R_2)$: and of the second, 1/K.
@@ -127,21 +133,49 @@ pub struct Link<R> {
 }
 
 impl<R: Real> Link<R> {
-    /// The link of two bodies of radii $R$ (m) and expansions $\alpha$ (1/K) over a bonded length (m).
+    /// The link of two bodies of radii $R$ (m) and expansions $\alpha$ (1/K).
     #[inline(always)]
-    pub fn between(conductor: &Conductor<R>, radii: [R; 2], expansions: [R; 2], bonded_length: R) -> Self {
+    pub fn between(conductor: &Conductor<R>, radii: [R; 2], expansions: [R; 2]) -> Self {
         let [first, second] = radii;
         let radius_sum = first + second;
         let inverse = R::lit(1.0) / radius_sum;
         Link {
-            conductance: bar(conductor, radius_sum, bonded_length),
+            conductance_length: conductance_length(conductor, radius_sum),
             first_growth: expansions[0] * (first * inverse),
             second_growth: expansions[1] * (second * inverse),
         }
     }
 
-    /// The strain that the bond takes up without force, see [`crate::bond::expansion::free_strain`], of bodies that are
-    /// warmer by so many kelvins than where bonds are free of stress.
+    /// $H$ of a bond of this length when it was made, m, W/K: that of a [`bar`].
+    ///
+    /// # Numerics
+    /// By the inverse of the length, which the law of the bond has found already.
+    #[inline(always)]
+    pub fn conductance(&self, bonded_length: R) -> R {
+        self.conductance_length * (R::lit(1.0) / bonded_length)
+    }
+
+    /// The strain that the bond takes up without force when its bodies expand by $\varepsilon_1$ and $\varepsilon_2$.
+    ///
+    /// $$\varepsilon = \frac{R_1\varepsilon_1 + R_2\varepsilon_2}{R_1+R_2},\qquad \varepsilon_k = \alpha_k(T_k - T_0)$$
+    ///
+    /// | argument | symbol | unit |
+    /// |---|---|---|
+    /// | `first_warmth`, `second_warmth` | $T_k - T_0$, above where bonds are free of stress | K |
+    ///
+    /// # Example
+    /// ```
+    /// use tdem_physics::bond::expansion::rest_length;
+    /// use tdem_physics::heat::{Conductor, Link};
+    /// // Steel and concrete of equal radius, 100 K warmer than when they were bonded.
+    /// let conductor = Conductor { conductivity: 2.9, section: 0.35 };
+    /// let link = Link::between(&conductor, [5e-4, 5e-4], [12e-6, 10e-6]);
+    /// assert!((rest_length(1e-3, link.free_strain(100.0, 100.0)) - 1.0011e-3).abs() < 1e-15);
+    /// ```
+    ///
+    /// # References
+    /// Wanne & Young, Int. J. Rock Mech. Min. Sci. 45 (2008) 789, where $\Delta F_n = -\bar k_nA\bar\alpha L\Delta T$; the
+    /// particles' part is eq. 7 of Pacevič & Kačeniauskas (2022) with the sign of an expansion.
     #[inline(always)]
     pub fn free_strain(&self, first_warmth: R, second_warmth: R) -> R {
         self.first_growth * first_warmth + self.second_growth * second_warmth
@@ -177,19 +211,20 @@ mod tests {
     fn a_link_seen_from_either_side_is_the_same() {
         let conductor = Conductor { conductivity: 1.7, section: 0.35 };
         let (a, b) = ([1.1e-3, 0.7e-3], [6.6e-6, 12e-6]);
-        let link = Link::between(&conductor, a, b, 1.9e-3);
-        let back = Link::between(&conductor, [a[1], a[0]], [b[1], b[0]], 1.9e-3);
-        assert_eq!(link.conductance.to_bits(), back.conductance.to_bits());
+        let link = Link::between(&conductor, a, b);
+        let back = Link::between(&conductor, [a[1], a[0]], [b[1], b[0]]);
+        assert_eq!(link.conductance_length.to_bits(), back.conductance_length.to_bits());
+        assert!((link.conductance(1.9e-3) / bar(&conductor, 1.8e-3, 1.9e-3) - 1.0).abs() < 1e-15);
         assert_eq!(link.free_strain(311.7, 17.9).to_bits(), back.free_strain(17.9, 311.7).to_bits());
-        let flow_there = flow(link.conductance, 400.3, 291.7);
-        assert_eq!(flow_there.to_bits(), (-flow(link.conductance, 291.7, 400.3)).to_bits());
+        let flow_there = flow(link.conductance(1.9e-3), 400.3, 291.7);
+        assert_eq!(flow_there.to_bits(), (-flow(link.conductance(1.9e-3), 291.7, 400.3)).to_bits());
     }
 
     #[test]
     fn free_strain_is_that_of_the_formula() {
         let conductor = Conductor { conductivity: 1.0, section: 1.0 };
-        let link = Link::between(&conductor, [5e-4, 7e-4], [12e-6, 10e-6], 1e-3);
-        let expected = crate::bond::expansion::free_strain(5e-4, 12e-6 * 100.0, 7e-4, 10e-6 * 80.0);
+        let link = Link::between(&conductor, [5e-4, 7e-4], [12e-6, 10e-6]);
+        let expected = (5e-4 * (12e-6 * 100.0) + 7e-4 * (10e-6 * 80.0)) / (5e-4 + 7e-4);
         assert!((link.free_strain(100.0, 80.0) / expected - 1.0).abs() < 1e-14);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Formula;
 use crate::bond::{
-    self, Advance, Bond, Damping, Ends, History, Joint, Modes, Posture, Reaction, Rest, Tension, damping, expansion,
+    self, Advance, Bond, Damping, Ends, History, Joint, Modes, Posture, Reaction, Rest, Tension, damping,
 };
 use crate::contact::{self, Encounter, Interaction, Sphere, Touch};
 use crate::motion::local_damping;
@@ -26,26 +26,6 @@ impl Formula for BondBetween {
     #[inline(always)]
     fn apply<R: Real>(&self, (joint, first, second, bonded_length, strength): Self::Input<R>) -> Self::Output<R> {
         (joint.bond_of_spheres(self.damping, &first, &second, bonded_length, strength),)
-    }
-}
-
-/// [`expansion::free_strain`].
-#[derive(Clone, Copy, Debug)]
-pub struct FreeStrain;
-
-impl Formula for FreeStrain {
-    const NAME: &'static str = "free_strain";
-    const INPUTS: &'static [&'static str] = &["first_radius", "first_strain", "second_radius", "second_strain"];
-    const OUTPUTS: &'static [&'static str] = &["strain"];
-    type Input<R: Real> = (R, R, R, R);
-    type Output<R: Real> = (R,);
-
-    #[inline(always)]
-    fn apply<R: Real>(
-        &self,
-        (first_radius, first_strain, second_radius, second_strain): Self::Input<R>,
-    ) -> Self::Output<R> {
-        (expansion::free_strain(first_radius, first_strain, second_radius, second_strain),)
     }
 }
 

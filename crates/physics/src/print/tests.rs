@@ -140,6 +140,37 @@ typedef struct {
 }
 
 #[test]
+fn the_source_of_heat_holds_types_and_every_function_once() {
+    for path in [Path::Closed, Path::Bar, Path::Circle] {
+        let source = heat_source(path);
+        let mechanics = source_of_mechanics();
+        for (name, function) in heat_functions(path) {
+            assert_eq!(source.matches(&format!(" {name}(")).count(), 1, "{name}");
+            assert!(source.contains(&function.text));
+            assert!(!mechanics.contains(&format!(" {name}(")), "{name} is used twice");
+        }
+    }
+    assert!(heat_types().starts_with("typedef struct {\n    real conductivity;\n    real section;\n} Conductor;\n"));
+}
+
+fn source_of_mechanics() -> String {
+    source(Law::GNTM) + &bond_source(bond::Law { form: Form::Total, damping: bond::Damping::Viscous })
+}
+
+/// Regression: what heat costs a bond and a contact, for the roofline.
+#[test]
+fn operations_of_heat() {
+    let of_flow = Operations { additions: 1, multiplications: 1, ..Operations::default() };
+    assert_eq!(function(&HeatFlow).operations(), of_flow);
+    let of_strain = Operations { additions: 1, multiplications: 2, ..Operations::default() };
+    assert_eq!(function(&FreeStrain).operations(), of_strain);
+    let of_bar = Operations { additions: 1, multiplications: 3, divisions: 1, ..Operations::default() };
+    assert_eq!(function(&BetweenSpheres { path: Path::Bar }).operations(), of_bar);
+    let of_circle = Operations { additions: 1, multiplications: 4, divisions: 1, square_roots: 1, ..of_bar };
+    assert_eq!(function(&BetweenSpheres { path: Path::Circle }).operations(), of_circle);
+}
+
+#[test]
 fn an_undamped_bond_in_total_form_does_not_look_at_motion() {
     let text = function(&BondTotal { damping: bond::Damping::Off }).text;
     for unused in ["velocity", "mass", "position", "damping"] {

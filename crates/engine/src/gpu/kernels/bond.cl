@@ -9,7 +9,7 @@
 
 #define LENGTH_OF(offset)   sqrt(inner(offset, offset))
 
-// The numbers of a bond but for the factor on its strengths.
+// The numbers of a bond but for the factor on its strengths. The spheres have the radii that bonds have.
 DEVICE Bond bond_of(const Step step, const u32 i, const u32 j, const Sphere body, const Sphere partner,
                     const real bonded_length, GLOBAL const u32 *RESTRICT kind, GLOBAL const Joint *RESTRICT joints,
                     GLOBAL const Bond *RESTRICT beams)
@@ -69,15 +69,27 @@ DEVICE void let_touch(const u32 i, const u32 j, GLOBAL const u32 *RESTRICT slice
 #endif
 }
 
+#if CONTACTS_BESIDE_BONDS
+// Whether a bond holds between two particles: then it alone conducts.
+DEVICE int beside_bond(const Step step, const u32 i, const u32 j, GLOBAL const u32 *bond_other)
+{
+    for (u32 k = 0; k < step.bond_slots; ++k)
+        if (bond_other[BOND_SLOT(k, i)] == (j | HOLDS))
+            return 1;
+    return 0;
+}
+#endif
+
 #if BONDS_APART
 // Each bond is evaluated once, by a kernel of its own; what it does to its particles stands in `reaction`: the moment on
-// the first, the force on the first, the moment on the second, zeros once it is broken. Rows hold the place of each bond
+// the first, the force on the first, the moment on the second, and in `bond_flow` the heat rate into the first, zeros once
+// it is broken. Rows hold the place of each bond
 // in the table, with a bit where the particle is the second, or NOBODY behind the last.
 #define SECOND                0x80000000u
 #define BOND_HISTORY(c, b)    ((size_t)(c) * step.bonds + (b))
 
 DEVICE void sum_reactions(const Step step, const u32 i, GLOBAL const u32 *RESTRICT bond_number,
-                          GLOBAL const Vec3 *RESTRICT reaction,
+                          GLOBAL const Vec3 *RESTRICT reaction, GLOBAL const real *RESTRICT bond_flow, Heat *heat,
 #if LEDGER && BOND_DASHPOTS
                           GLOBAL const real *RESTRICT bond_lost, Quad *account,
 #endif
@@ -95,9 +107,15 @@ DEVICE void sum_reactions(const Step step, const u32 i, GLOBAL const u32 *RESTRI
         if (entry & SECOND) {
             f = minus(f, reaction[at + 1u]);
             m = plus(m, reaction[at + 2u]);
+#if HEAT
+            heat->bonds -= bond_flow[entry & ~SECOND];
+#endif
         } else {
             f = plus(f, reaction[at + 1u]);
             m = plus(m, reaction[at]);
+#if HEAT
+            heat->bonds += bond_flow[entry];
+#endif
 #if LEDGER && BOND_DASHPOTS
             damping += bond_lost[entry];
 #endif
@@ -170,17 +188,31 @@ kernel bond
             const Quad x = LOAD(place, i), y = LOAD(place, j);
             Sphere first = BONDED_SPHERE(x, i), second = BONDED_SPHERE(y, j);
             const Vec3 offset = offset_between(step, first.position, second.position);
+            Heated heated;
+            heated.temperature = temperature;
+            heated.reference_radius = reference_radius;
+            heated.thermals = thermals;
+            heated.conductors = conductors;
+            heated.links = links;
+            const Sphere bonded_first = as_bonded(first, i, heated), bonded_second = as_bonded(second, j, heated);
             Reaction acting;
 #if BONDS_REMEMBER
             const real bonded_length = bond_length[b];
-            Bond numbers = bond_of(step, i, j, first, second, bonded_length, kind, joints, beams);
 #else
             Posture posture;
             posture.bonded_offset = offset_between(step, vector(LOAD(bonded_place, i)), vector(LOAD(bonded_place, j)));
             posture.first_orientation = quaternion(LOAD(orientation, i));
             posture.second_orientation = quaternion(LOAD(orientation, j));
             posture.free_strain = 0.0;
-            Bond numbers = bond_of(step, i, j, first, second, LENGTH_OF(posture.bonded_offset), kind, joints, beams);
+            const real bonded_length = LENGTH_OF(posture.bonded_offset);
+#endif
+            Bond numbers = bond_of(step, i, j, bonded_first, bonded_second, bonded_length, kind, joints, beams);
+#if HEAT
+            const Link link = link_of(step, i, j, bonded_first, bonded_second, kind, heated);
+            const real flow = through_bond(link, bonded_length, temperature[i], temperature[j]);
+#if EXPANDS
+            posture.free_strain = strain_of(step, link, temperature[i], temperature[j]);
+#endif
 #endif
 #if SCATTERED_BONDS
             numbers.tensile_strength *= bond_strength[b];
@@ -219,6 +251,9 @@ kernel bond
             reaction[3u * (size_t)b] = acting.first_moment;
             reaction[3u * (size_t)b + 1u] = acting.force;
             reaction[3u * (size_t)b + 2u] = acting.second_moment;
+#if HEAT
+            bond_flow[b] = breaks ? 0.0 : flow;
+#endif
 #if LEDGER && BOND_DASHPOTS
             real loss = 0.0;
 #if GEAR
@@ -239,17 +274,28 @@ kernel bond
 }
 
 #if !BONDS_APART
-// The law of one bond as seen from particle i.
+// The law of one bond as seen from particle i, and the heat rate that goes through it into i.
 DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u32 k, const Sphere body,
                               const Sphere partner, const Vec3 offset, Posture posture,
                               GLOBAL const Quad *RESTRICT orientation, GLOBAL const Quad *RESTRICT bonded_place,
                               GLOBAL const u32 *RESTRICT kind, GLOBAL const Joint *RESTRICT joints,
                               GLOBAL const Bond *RESTRICT beams, GLOBAL const real *RESTRICT bond_strength,
-                              const Vec3 bonded, Bond *numbers)
+                              const Vec3 bonded, const Heated heated, const real temperature, Bond *numbers,
+                              real *flow)
 {
     posture.bonded_offset = offset_between(step, bonded, vector(LOAD(bonded_place, j)));
     posture.second_orientation = quaternion(LOAD(orientation, j));
-    *numbers = bond_of(step, i, j, body, partner, LENGTH_OF(posture.bonded_offset), kind, joints, beams);
+    const Sphere first = as_bonded(body, i, heated), second = as_bonded(partner, j, heated);
+    const real bonded_length = LENGTH_OF(posture.bonded_offset);
+    *numbers = bond_of(step, i, j, first, second, bonded_length, kind, joints, beams);
+#if HEAT
+    const Link link = link_of(step, i, j, first, second, kind, heated);
+    const real theirs = heated.temperature[j];
+    *flow = through_bond(link, bonded_length, temperature, theirs);
+#if EXPANDS
+    posture.free_strain = strain_of(step, link, temperature, theirs);
+#endif
+#endif
 #if SCATTERED_BONDS
     numbers->tensile_strength *= bond_strength[BOND_SLOT(k, i)];
     numbers->shear_strength *= bond_strength[BOND_SLOT(k, i)];
@@ -268,7 +314,7 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
                       GLOBAL const Bond *RESTRICT beams, GLOBAL const u32 *RESTRICT slice, GLOBAL u32 *RESTRICT other,
                       GLOBAL u32 *RESTRICT bond_other, GLOBAL const u32 *RESTRICT bond_start,
                       GLOBAL const real *RESTRICT bond_strength, GLOBAL u32 *RESTRICT broken,
-                      GLOBAL real *RESTRICT released,
+                      GLOBAL real *RESTRICT released, const Heated heated, Heat *heat,
 #if LEDGER
                       GLOBAL const Quad *RESTRICT kick_by_half, GLOBAL const Quad *RESTRICT twist_by_half, Quad *account,
 #endif
@@ -297,8 +343,14 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         partner.radius = RADIUS_OF_PARTNER(x);
         const Vec3 offset = offset_between(step, body.position, vector(x));
         Bond numbers;
+        real flow;
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
-                                              kind, joints, beams, bond_strength, bonded, &numbers);
+                                              kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
+                                              &numbers, &flow);
+#if HEAT
+        // Added before it is known whether the bond holds, so that nothing is kept meanwhile.
+        heat->bonds += flow;
+#endif
         // While a fresh state is prepared nothing breaks.
         if (acting.failure > 0.0 && step.history_dt > 0.0) {
             breaks = 1;
@@ -328,7 +380,8 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
     if (!breaks)
         return;
     // Bonds seldom break. Which ones did is found out by evaluating them once more: kept out of the loop above, this costs
-    // it no registers.
+    // it no registers. What goes through the others is summed anew.
+    heat->bonds = 0.0;
     for (u32 k = 0; k < step.bond_slots; ++k) {
         const u32 entry = bond_other[BOND_SLOT(k, i)];
         if (entry == NOBODY || !(entry & HOLDS))
@@ -337,10 +390,16 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         const Sphere partner = sphere(place[j], motion[j], spin[j]);
         const Vec3 offset = offset_between(step, body.position, partner.position);
         Bond numbers;
+        real flow;
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
-                                              kind, joints, beams, bond_strength, bonded, &numbers);
-        if (!(acting.failure > 0.0))
+                                              kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
+                                              &numbers, &flow);
+        if (!(acting.failure > 0.0)) {
+#if HEAT
+            heat->bonds += flow;
+#endif
             continue;
+        }
         bond_other[BOND_SLOT(k, i)] = j;
         let_touch(i, j, slice, other);
         if (rank[i] < rank[j]) {

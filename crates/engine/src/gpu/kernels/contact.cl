@@ -7,6 +7,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                         GLOBAL const Interaction *RESTRICT interactions, GLOBAL const u32 *RESTRICT slice,
                         GLOBAL u32 *RESTRICT other, GLOBAL real *RESTRICT displacement,
                         GLOBAL const Wall *RESTRICT walls, GLOBAL const Quad *RESTRICT wall_place,
+                        const Heated heated, Heat *heat,
 #if LEDGER
                         GLOBAL const Quad *RESTRICT kick_by_half, GLOBAL const Quad *RESTRICT twist_by_half,
                         GLOBAL const u32 *RESTRICT rank, Quad *account,
@@ -46,6 +47,13 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
         Touch touch;
         touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + radius, &touch);
         if (touch.overlap > 0.0) {
+#if CONTACTS_BESIDE_BONDS
+            if (!beside_bond(step, i, j, heated.bond_other))
+#endif
+#if HEAT_THROUGH_CONTACTS
+                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch,
+                                                  heat->temperature, heated.temperature[j]);
+#endif
             const Quad v = LOAD(motion, j);
 #if MOMENTS
             const Quad w = LOAD(spin, j);
@@ -154,6 +162,11 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #if MOMENTS
             m = plus(m, times(response.moment_per_arm, arm));
 #endif
+#if HEAT_THROUGH_CONTACTS
+            if (wall.first_piece < wall.end_piece)
+                heat->foreign += from_wall(CONDUCTOR(material, wall.material), body, touch, heat->temperature,
+                                           course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time));
+#endif
 #if FRICTION
             keep_displacement(displacement, k, i, step.frozen ? kept : response.displacement);
 #endif
@@ -239,26 +252,38 @@ kernel contact
 #else
             const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), QUAD(0.0, 0.0, 0.0, 0.0));
 #endif
+            Heated heated;
+            heated.temperature = temperature;
+            heated.reference_radius = reference_radius;
+            heated.thermals = thermals;
+            heated.conductors = conductors;
+            heated.links = links;
+            heated.exposure = exposure;
+            heated.exposures = exposures;
+            heated.exchanges = exchanges;
+            heated.pieces = pieces;
+            heated.bond_other = bond_other;
+            Heat heat = heat_at(i, heated);
             Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if LEDGER
             Quad account = accounts[i];
 #endif
 #if BONDS_APART
-            sum_reactions(step, i, bond_number, reaction,
+            sum_reactions(step, i, bond_number, reaction, bond_flow, &heat,
 #if LEDGER && BOND_DASHPOTS
                           bond_lost, &account,
 #endif
                           &bond_force, &bond_moment);
 #elif BONDS
             sum_bonds(step, i, body, place, motion, spin, orientation, bonded_place, kind, rank, interactions, joints, beams,
-                      slice, other, bond_other, bond_start, bond_strength, broken, released,
+                      slice, other, bond_other, bond_start, bond_strength, broken, released, heated, &heat,
 #if LEDGER
                       kick_by_half, twist_by_half, &account,
 #endif
                       &bond_force, &bond_moment);
 #endif
             const u32 wrong = sum_contacts(step, i, body, MATERIAL_OF(kind[i]), place, motion, spin, kind, interactions,
-                                           slice, other, displacement, walls, wall_place,
+                                           slice, other, displacement, walls, wall_place, heated, &heat,
 #if LEDGER
                                            kick_by_half, twist_by_half, rank, &account,
 #endif
@@ -292,7 +317,11 @@ kernel contact
             if (!step.frozen)
                 accounts[i] = account;
 #endif
-            force[i] = quad(f, 0.0);
+            force[i] = quad(f, heat_rate_of(step, i, &heat, heated));
+#if HEAT && LEDGER
+            if (!step.frozen)
+                book_heat(i, heat.foreign * step.heat_dt, heat_in, heat_out);
+#endif
 #if MOMENTS
             moment[i] = quad(m, 0.0);
 #endif

@@ -14,25 +14,38 @@ kernel fused
                 const Quad w = QUAD(0.0, 0.0, 0.0, 0.0);
 #endif
                 Body body = body_at(i, x, v, w, DERIVATIVES);
-#if CONSTRAINED || !ONE_PAIR
+#if CONSTRAINED || !ONE_PAIR || HEAT
                 const u32 mine = kind[i];
 #else
                 const u32 mine = 0;
 #endif
                 const Constraint held = HELD(mine, step.time);
+                Heated heated;
+                heated.temperature = temperature;
+                heated.reference_radius = reference_radius;
+                heated.thermals = thermals;
+                heated.conductors = conductors;
+                heated.links = links;
+                heated.exposure = exposure;
+                heated.exposures = exposures;
+                heated.exchanges = exchanges;
+                heated.pieces = pieces;
+                heated.bond_other = bond_other;
+                Heat heat = heat_at(i, heated);
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS
                 body.orientation = quaternion(LOAD(orientation, i));
 #if BONDS_APART
-                sum_reactions(step, i, bond_number, reaction, &bond_force, &bond_moment);
+                sum_reactions(step, i, bond_number, reaction, bond_flow, &heat, &bond_force, &bond_moment);
 #else
                 sum_bonds(step, i, body.sphere, place, motion, spin, orientation, bonded_place, kind, rank, interactions,
-                          joints, beams, slice, other, bond_other, bond_start, bond_strength, broken, released, &bond_force,
-                          &bond_moment);
+                          joints, beams, slice, other, bond_other, bond_start, bond_strength, broken, released, heated, &heat,
+                          &bond_force, &bond_moment);
 #endif
 #endif
                 u32 wrong = sum_contacts(step, i, body.sphere, MATERIAL_OF(mine), place, motion, spin, kind, interactions,
-                                         slice, other, displacement, walls, wall_place, bond_force, bond_moment, &f, &m);
+                                         slice, other, displacement, walls, wall_place, heated, &heat, bond_force,
+                                         bond_moment, &f, &m);
 #if APPLIED_FORCES
                 f = plus(f, held.force);
 #endif
@@ -42,10 +55,19 @@ kernel fused
                 correct_body(step, &body, f, m, held);
                 const Constraint next_held = HELD(mine, step.middle_time);
                 predict_body(step, &body, f, m, next_held, next_held);
-                wrong |= judge(step, i, &body.sphere.position, image, reference);
+                real growth = 0.0;
+#if HEAT
+                real now = heat.temperature;
+                wrong |= warm(step, i, MATERIAL_OF(mine), heat_rate_of(step, i, &heat, heated), heated, &body.sphere, &now);
+                next_temperature[i] = now;
+#endif
+#if EXPANDS
+                growth = body.sphere.radius - listed_radius[i];
+#endif
+                wrong |= judge(step, i, growth, &body.sphere.position, image, reference);
                 if (wrong)
                     raise_flags(step, status, wrong);
-                next_place[i] = quad(body.sphere.position, x.w);
+                next_place[i] = quad(body.sphere.position, body.sphere.radius);
                 keep_motion(i, body, next_motion, next_spin, DERIVATIVES);
 #if BONDS
                 next_orientation[i] = quad(body.orientation.vector, body.orientation.scalar);

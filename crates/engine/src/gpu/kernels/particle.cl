@@ -99,6 +99,7 @@ DEVICE u64 squared_ticks(const u64 from, const u64 to)
 #define LIST_DUE       1u
 #define ASTRAY         2u
 #define CRUSHED        4u
+#define UNPHYSICAL     8u
 
 DEVICE void raise_flags(const Step step, GLOBAL u32 *status, const u32 flags)
 {

@@ -53,8 +53,9 @@ DEVICE void bring_back(const Step step, const u32 k, const u32 i, const real len
 }
 #endif
 
-// Brings a centre that left through a face that repeats back in, and says what is wrong with it and with the list.
-DEVICE u32 judge(const Step step, const u32 i, Vec3 *position, GLOBAL i32 *RESTRICT image,
+// Brings a centre that left through a face that repeats back in, and says what is wrong with it and with the list. What a
+// particle has grown since the list was made counts like a way.
+DEVICE u32 judge(const Step step, const u32 i, const real growth, Vec3 *position, GLOBAL i32 *RESTRICT image,
                  GLOBAL u64 *RESTRICT reference)
 {
 #if PERIODIC
@@ -69,15 +70,28 @@ DEVICE u32 judge(const Step step, const u32 i, Vec3 *position, GLOBAL i32 *RESTR
                     && x.y <= step.domain_max.y && x.z >= step.domain_min.z && x.z <= step.domain_max.z;
     if (!inside)
         flags |= ASTRAY;
-    if (squared_ticks(reference[i], ticks_of(x, step.domain_min, step.ticks_per_metre)) >= step.ticks_allowed)
+    const u64 squared = squared_ticks(reference[i], ticks_of(x, step.domain_min, step.ticks_per_metre));
+#if EXPANDS
+    const real way = sqrt((real)squared) + (growth > 0.0 ? growth * step.ticks_per_metre : 0.0);
+    if (way * way >= (real)step.ticks_allowed)
         flags |= LIST_DUE;
+#else
+    if (squared >= step.ticks_allowed)
+        flags |= LIST_DUE;
+#endif
     return flags;
 }
 
-// How far the farthest went in one step matters to the list of a ledger once it is more than half the skin.
-DEVICE void note_way(const Step step, GLOBAL u32 *status, const Vec3 way)
+// How far the farthest went in one step, and how much it shrank, matters to the list of a ledger once it is more than
+// half the skin.
+DEVICE void note_way(const Step step, GLOBAL u32 *status, const Vec3 way, const real shrinkage)
 {
+#if EXPANDS
+    const real farthest = sqrt(inner(way, way)) + (shrinkage > 0.0 ? shrinkage : 0.0);
+    const real squared = farthest * farthest;
+#else
     const real squared = inner(way, way);
+#endif
     if (squared > step.noted_way_squared) {
         const u32 bits = FLOAT_BITS((float)(squared * 1.000001));
         if (bits > status[FARTHEST_STEP])
@@ -93,7 +107,7 @@ DEVICE void move_wall(const Step step, const u32 w, GLOBAL const Wall *RESTRICT 
     Vec3 moved;
     drift(start, walls[w].velocity, step.dt, &moved);
     to[w] = quad(moved, 0.0);
-    note_way(step, status, minus(moved, start));
+    note_way(step, status, minus(moved, start), 0.0);
     const Vec3 way = minus(moved, vector(wall_reference[w]));
     if (inner(way, way) > step.half_skin_squared)
         raise_flags(step, status, LIST_DUE);
@@ -109,7 +123,8 @@ kernel predict
 #if BONDS
                 body.orientation = quaternion(orientation[i]);
 #endif
-                const Vec3 f = vector(force[i]), m = MOMENT(i);
+                const Quad whole = force[i];
+                const Vec3 f = vector(whole), m = MOMENT(i);
                 // Between two steps nobody looks at the neighbours: the end of one and the start of the next are one.
                 if (step.corrects)
                     correct_body(step, &body, f, m, HELD(kind[i], step.time));
@@ -121,8 +136,28 @@ kernel predict
                 twist_by_half[i] = quad(minus(body.sphere.angular_velocity, before.angular_velocity), 0.0);
 #endif
 #endif
-                note_way(step, status, minus(body.sphere.position, before.position));
-                const u32 wrong = judge(step, i, &body.sphere.position, image, reference);
+                u32 wrong = 0;
+                real growth = 0.0;
+#if HEAT
+                Heated heated;
+                heated.reference_radius = reference_radius;
+                heated.thermals = thermals;
+                heated.exposure = exposure;
+                heated.exposures = exposures;
+                heated.pieces = pieces;
+                real now = temperature[i];
+                wrong = warm(step, i, MATERIAL_OF(kind[i]), whole.w, heated, &body.sphere,
+#if LEDGER
+                             heat_in, heat_out,
+#endif
+                             &now);
+                temperature[i] = now;
+#endif
+#if EXPANDS
+                growth = body.sphere.radius - listed_radius[i];
+#endif
+                note_way(step, status, minus(body.sphere.position, before.position), before.radius - body.sphere.radius);
+                wrong |= judge(step, i, growth, &body.sphere.position, image, reference);
                 if (wrong)
                     raise_flags(step, status, wrong);
                 place[i] = quad(body.sphere.position, body.sphere.radius);

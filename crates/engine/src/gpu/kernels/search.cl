@@ -1,20 +1,22 @@
 // Stage `search`: cells, the order of the particles, the neighbour list.
 
-// Partial bounds of all centres, one pair of corners per group.
+// Partial bounds of all centres and radii, one pair of corners per group.
 kernel bounds
 {
     LOCAL Quad lowest[128];
     LOCAL Quad highest[128];
     const u32 lane = LOCAL_INDEX;
-    Quad low = QUAD(INFINITY, INFINITY, INFINITY, 0.0), high = QUAD(-INFINITY, -INFINITY, -INFINITY, 0.0);
+    Quad low = QUAD(INFINITY, INFINITY, INFINITY, INFINITY), high = QUAD(-INFINITY, -INFINITY, -INFINITY, 0.0);
     for (u32 i = GROUP_INDEX * 128u + lane; i < particles; i += GROUP_COUNT * 128u) {
         const Quad x = place[i];
         low.x = x.x < low.x ? x.x : low.x;
         low.y = x.y < low.y ? x.y : low.y;
         low.z = x.z < low.z ? x.z : low.z;
+        low.w = x.w < low.w ? x.w : low.w;
         high.x = x.x > high.x ? x.x : high.x;
         high.y = x.y > high.y ? x.y : high.y;
         high.z = x.z > high.z ? x.z : high.z;
+        high.w = x.w > high.w ? x.w : high.w;
     }
     lowest[lane] = low;
     highest[lane] = high;
@@ -25,9 +27,11 @@ kernel bounds
             low.x = a.x < low.x ? a.x : low.x;
             low.y = a.y < low.y ? a.y : low.y;
             low.z = a.z < low.z ? a.z : low.z;
+            low.w = a.w < low.w ? a.w : low.w;
             high.x = b.x > high.x ? b.x : high.x;
             high.y = b.y > high.y ? b.y : high.y;
             high.z = b.z > high.z ? b.z : high.z;
+            high.w = b.w > high.w ? b.w : high.w;
             lowest[lane] = low;
             highest[lane] = high;
         }
@@ -111,6 +115,15 @@ kernel take_quads
         to[i] = from[order[i]];
     }
 }
+
+#if HEAT
+kernel take_reals
+{
+    FOR_EACH(i, particles) {
+        to[i] = from[order[i]];
+    }
+}
+#endif
 
 kernel take_words
 {
@@ -391,5 +404,8 @@ kernel rows_fill
         }
 #endif
         reference[i] = ticks_of(vector(x), search.origin, search.ticks_per_metre);
+#if EXPANDS
+        listed_radius[i] = x.w;
+#endif
     }
 }

@@ -1,0 +1,124 @@
+//! Heat on a device, see `kernels/heat.cl`. Temperatures stand in the halves, heat rates in the fourth number of forces.
+
+use super::bodies::course_record;
+use super::layout::{ConductorOf, ExchangeOf, Exchanging, Exposure, LinkOf, Piece, TakeReals, TakeWords, Thermal};
+use super::memory::{Buffer, Queue};
+use super::program::{Variant, only_link};
+use super::runtime::{Error, Runtime};
+use crate::cpu::Quad;
+use crate::heat::filled;
+use crate::{Plan, State};
+use std::sync::Arc;
+use tdem_physics::heat::Link;
+
+/// What particles have besides temperatures, in working order, `(N)`, and what does not change. Empty where the plan does
+/// without.
+pub(super) struct Heat<M> {
+    /// Indices of exposures.
+    pub(super) exposure: Buffer<u32, M>,
+    /// Radii at the reference temperature, m.
+    pub(super) reference_radius: Buffer<f64, M>,
+    /// Radii when the list was made, m.
+    pub(super) listed_radius: Buffer<f64, M>,
+    /// What came in from outside, J.
+    pub(super) came_in: Buffer<f64, M>,
+    /// What went out, J.
+    pub(super) went_out: Buffer<f64, M>,
+    pub(super) thermals: Buffer<Thermal, M>,
+    /// `(materials, materials)`.
+    pub(super) conductors: Buffer<ConductorOf, M>,
+    /// What bonds are to heat, `(materials, materials)`, if those of a pair of materials are alike.
+    pub(super) links: Buffer<LinkOf, M>,
+    /// The same of all bonds, if there is only one kind of them.
+    pub(super) only_link: Option<Link<f64>>,
+    pub(super) exposures: Buffer<Exposure, M>,
+    pub(super) exchanges: Buffer<Exchanging, M>,
+    /// The exposures of the state, by rank.
+    pub(super) exposure_by_rank: Arc<Vec<u16>>,
+    /// The radii at the reference temperature, by rank, m.
+    pub(super) reference_by_rank: Arc<Vec<f64>>,
+}
+
+impl<M> Heat<M> {
+    /// Pieces of courses are added to those of ramps.
+    pub(super) fn of_state<R: Runtime<Memory = M>>(
+        queue: &Queue<R>,
+        state: &State,
+        plan: &Plan,
+        variant: &Variant,
+        pieces: &mut Vec<Piece>,
+    ) -> Result<Self, Error> {
+        let exposure: Vec<u32> = state.exposure.iter().map(|&exposure| exposure.into()).collect();
+        let account = |column: usize| -> Vec<f64> {
+            let booked = plan.ledger && plan.heat.is_some();
+            let of_particle = |i: usize| state.heat_accounts.get(i).map_or(0.0, |account| account[column]);
+            (0..if booked { state.len() } else { 0 }).map(of_particle).collect()
+        };
+        let (mut exposures, mut exchanges) = (Vec::new(), Vec::new());
+        for exposure in plan.heat.iter().filter(|_| variant.exposed).flat_map(|heat| &heat.exposures) {
+            let [first_piece, end_piece] = course_record(exposure.temperature.as_ref(), pieces);
+            let first_exchange = exchanges.len() as u32;
+            // Where temperatures are prescribed, the exchanges do nothing.
+            let acting = if exposure.temperature.is_some() { &[][..] } else { &exposure.exchanges };
+            exchanges.extend(acting.iter().map(|(exchange, outside)| {
+                let [first_piece, end_piece] = course_record(Some(outside), pieces);
+                Exchanging { exchange: ExchangeOf::from(exchange), first_piece, end_piece }
+            }));
+            exposures.push(Exposure { first_piece, end_piece, first_exchange, end_exchange: exchanges.len() as u32 });
+        }
+        let materials = plan.heat.iter().flat_map(|heat| &heat.materials);
+        let thermals =
+            materials.map(|material| Thermal { specific_heat: material.specific_heat, expansion: material.expansion });
+        let conductors = plan.heat.iter().flat_map(|heat| &heat.conductors).map(ConductorOf::from);
+        let links = if variant.bonds { state.alike_links(plan).unwrap_or_default() } else { Vec::new() };
+        Ok(Heat {
+            exposure: queue.buffer_of(if variant.exposed { &exposure } else { &[] })?,
+            reference_radius: queue.buffer_of(&state.reference_radius)?,
+            listed_radius: queue.buffer(state.reference_radius.len())?,
+            came_in: queue.buffer_of(&account(crate::heat_accounts::IN))?,
+            went_out: queue.buffer_of(&account(crate::heat_accounts::OUT))?,
+            thermals: queue.buffer_of(&thermals.collect::<Vec<_>>())?,
+            conductors: queue.buffer_of(&conductors.collect::<Vec<_>>())?,
+            links: queue.buffer_of(&filled(&links).iter().map(LinkOf::from).collect::<Vec<_>>())?,
+            only_link: only_link(&links),
+            exposures: queue.buffer_of(&exposures)?,
+            exchanges: queue.buffer_of(&exchanges)?,
+            exposure_by_rank: Arc::new(state.exposure.clone()),
+            reference_by_rank: Arc::new(state.reference_radius.clone()),
+        })
+    }
+
+    /// Puts particles in a new order.
+    pub(super) fn reorder<R: Runtime<Memory = M>>(
+        &self,
+        queue: &Queue<R>,
+        order: &Buffer<u32, M>,
+        room: &Buffer<Quad, M>,
+    ) -> Result<(), Error> {
+        let n = order.len();
+        let particles = n as u32;
+        if self.exposure.len() > 0 {
+            let to = &room.room(n);
+            queue.run(&TakeWords { particles, order, from: &self.exposure, to }, n)?;
+            queue.copy(to, &self.exposure)?;
+        }
+        for field in [&self.reference_radius, &self.came_in, &self.went_out] {
+            if field.len() > 0 {
+                let to = &room.room(n);
+                queue.run(&TakeReals { particles, order, from: field, to }, n)?;
+                queue.copy(to, field)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Bytes per particle, and per bond where bonds are evaluated apart.
+pub(super) fn bytes_each(plan: &Plan) -> [usize; 2] {
+    let Some(heat) = &plan.heat else { return [0; 2] };
+    let (word, real) = (size_of::<u32>(), size_of::<f64>());
+    let exposure = if heat.exposes() { word } else { 0 };
+    let radii = if heat.expands() { 2 * real } else { 0 };
+    let accounts = if plan.ledger { 2 * real } else { 0 };
+    [2 * real + exposure + radii + accounts, real]
+}

@@ -1,0 +1,189 @@
+// Heat: what flows into a particle, and the temperature and radius that follow. Parts of the stages bond, contact and
+// predict; the order of the sums is that of the CPU: contacts along the row, the sum of the bonds, then what is foreign,
+// which is walls and the surface.
+
+// What flows is looked up here. A kernel sets what it has; without heat nobody looks.
+typedef struct {
+    GLOBAL const real *temperature;
+    GLOBAL const real *reference_radius;
+    GLOBAL const Thermal *thermals;
+    GLOBAL const Conductor *conductors;
+    GLOBAL const Link *links;
+    GLOBAL const u32 *exposure;
+    GLOBAL const Exposure *exposures;
+    GLOBAL const Exchanging *exchanges;
+    GLOBAL const Piece *pieces;
+    GLOBAL const u32 *bond_other;
+} Heated;
+
+// The temperature of a particle and its heat rate, as far as it is summed.
+typedef struct {
+    real temperature;
+    real contacts;
+    real bonds;
+    real foreign;
+} Heat;
+
+DEVICE Heat heat_at(const u32 i, const Heated heated)
+{
+    Heat heat;
+    heat.temperature = heat.contacts = heat.bonds = heat.foreign = 0.0;
+#if HEAT
+    heat.temperature = heated.temperature[i];
+#endif
+    return heat;
+}
+
+// The radius that a particle's bonds have.
+DEVICE Sphere as_bonded(Sphere sphere, const u32 i, const Heated heated)
+{
+#if EXPANDS
+    sphere.radius = heated.reference_radius[i];
+#endif
+    return sphere;
+}
+
+#if HEAT
+#if ONE_CONDUCTOR
+#define CONDUCTOR(first, second)  step.conductor
+#else
+#define CONDUCTOR(first, second)  heated.conductors[(first) * step.materials + (second)]
+#endif
+
+// The value of a course at a time.
+DEVICE real course_at(GLOBAL const Piece *pieces, const u32 first, const u32 end, const real time)
+{
+    real value = NAN;
+    for (u32 k = first; k < end; ++k) {
+        const Piece piece = pieces[k];
+        if (piece.from <= time && time < piece.until)
+            ramp_line(piece.start, piece.start_value, piece.end, piece.end_value, time, &value);
+    }
+    return value;
+}
+
+// What a bond is to heat. The spheres have the radii that bonds have.
+DEVICE Link link_of(const Step step, const u32 i, const u32 j, const Sphere body, const Sphere partner,
+                    GLOBAL const u32 *RESTRICT kind, const Heated heated)
+{
+#if ONE_LINK
+    return step.link;
+#else
+    const u32 mine = MATERIAL_OF(kind[i]), theirs = MATERIAL_OF(kind[j]);
+#if ALIKE_LINKS
+    return heated.links[mine * step.materials + theirs];
+#else
+    real radii[2], expansions[2];
+    radii[0] = body.radius;
+    radii[1] = partner.radius;
+    expansions[0] = heated.thermals[mine].expansion;
+    expansions[1] = heated.thermals[theirs].expansion;
+    Link link;
+    link_between(CONDUCTOR(mine, theirs), radii, expansions, &link);
+    return link;
+#endif
+#endif
+}
+
+// Into a particle, through a bond.
+DEVICE real through_bond(const Link link, const real bonded_length, const real mine, const real theirs)
+{
+    real conductance, rate;
+    link_conductance(link, bonded_length, &conductance);
+    heat_flow(conductance, mine, theirs, &rate);
+    return rate;
+}
+
+// The strain that a bond takes up without force.
+DEVICE real strain_of(const Step step, const Link link, const real mine, const real theirs)
+{
+    real strain;
+    free_strain(link, mine - step.reference_temperature, theirs - step.reference_temperature, &strain);
+    return strain;
+}
+
+// Into a particle, through a contact.
+DEVICE real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
+                            const real mine, const real theirs)
+{
+    real conductance, rate;
+    between_spheres(conductor, body.radius, radius, touch, &conductance);
+    heat_flow(conductance, mine, theirs, &rate);
+    return rate;
+}
+
+// Into a particle, from a wall that has a temperature.
+DEVICE real from_wall(const Conductor conductor, const Sphere body, const Touch touch, const real mine, const real theirs)
+{
+    real conductance, rate;
+    at_wall(conductor, body.radius, touch, &conductance);
+    heat_flow(conductance, mine, theirs, &rate);
+    return rate;
+}
+
+#if LEDGER
+// Heat that came in, or left if it is negative, J.
+DEVICE void book_heat(const u32 i, const real heat, GLOBAL real *RESTRICT heat_in, GLOBAL real *RESTRICT heat_out)
+{
+    if (heat > 0.0)
+        heat_in[i] += heat;
+    else if (heat < 0.0)
+        heat_out[i] -= heat;
+}
+#endif
+#endif
+
+// The heat rate of a particle whose pairs and walls are summed. Outside values are those of the middle of the next step.
+DEVICE real heat_rate_of(const Step step, const u32 i, Heat *heat, const Heated heated)
+{
+#if EXPOSED
+    const Exposure exposed = heated.exposures[heated.exposure[i]];
+    for (u32 k = exposed.first_exchange; k < exposed.end_exchange; ++k) {
+        const Exchanging exchanging = heated.exchanges[k];
+        real rate;
+        surface_heat(exchanging.exchange, heat->temperature,
+                     course_at(heated.pieces, exchanging.first_piece, exchanging.end_piece, step.heat_middle_time), &rate);
+        heat->foreign += rate;
+    }
+#endif
+#if HEAT && BONDS
+    return heat->contacts + heat->bonds + heat->foreign;
+#elif HEAT
+    return heat->contacts + heat->foreign;
+#else
+    return 0.0;
+#endif
+}
+
+#if HEAT
+// To the temperature of the end of the step, from the heat rate of its beginning, and to the radius that belongs to it;
+// returns a flag if that is no temperature.
+DEVICE u32 warm(const Step step, const u32 i, const u32 material, const real rate, const Heated heated, Sphere *body,
+#if LEDGER
+                GLOBAL real *RESTRICT heat_in, GLOBAL real *RESTRICT heat_out,
+#endif
+                real *temperature)
+{
+    const Thermal thermal = heated.thermals[material];
+    const real capacity = body->mass * thermal.specific_heat;
+    real now;
+    warmed(*temperature, rate, capacity, step.heat_dt, &now);
+#if EXPOSED
+    const Exposure exposed = heated.exposures[heated.exposure[i]];
+    if (exposed.first_piece < exposed.end_piece) {
+        const real free = now;
+        now = course_at(heated.pieces, exposed.first_piece, exposed.end_piece, step.next_heat_time);
+#if LEDGER
+        book_heat(i, capacity * (now - free), heat_in, heat_out);
+#endif
+    }
+#endif
+#if EXPANDS
+    real radius;
+    grown(heated.reference_radius[i], thermal.expansion, now - step.reference_temperature, &radius);
+    body->radius = radius;
+#endif
+    *temperature = now;
+    return now > 0.0 && now < INFINITY ? 0u : UNPHYSICAL;
+}
+#endif

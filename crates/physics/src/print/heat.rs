@@ -1,0 +1,165 @@
+//! The laws of heat that kernels call, as functions with named inputs and outputs.
+
+use super::Formula;
+use crate::Real;
+use crate::contact::Touch;
+use crate::heat::{Conductor, Exchange, Link, Path, conduction, warming};
+
+/// [`conduction::between_spheres`].
+#[derive(Clone, Copy, Debug)]
+pub struct BetweenSpheres {
+    /// How heat goes through contacts.
+    pub path: Path,
+}
+
+impl Formula for BetweenSpheres {
+    const NAME: &'static str = "between_spheres";
+    const INPUTS: &'static [&'static str] = &["conductor", "first_radius", "second_radius", "touch"];
+    const OUTPUTS: &'static [&'static str] = &["conductance"];
+    type Input<R: Real> = (Conductor<R>, R, R, Touch<R>);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (conductor, first_radius, second_radius, touch): Self::Input<R>) -> Self::Output<R> {
+        (conduction::between_spheres(self.path, &conductor, first_radius, second_radius, &touch),)
+    }
+}
+
+/// [`conduction::at_wall`].
+#[derive(Clone, Copy, Debug)]
+pub struct AtWall {
+    /// How heat goes through contacts.
+    pub path: Path,
+}
+
+impl Formula for AtWall {
+    const NAME: &'static str = "at_wall";
+    const INPUTS: &'static [&'static str] = &["conductor", "radius", "touch"];
+    const OUTPUTS: &'static [&'static str] = &["conductance"];
+    type Input<R: Real> = (Conductor<R>, R, Touch<R>);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (conductor, radius, touch): Self::Input<R>) -> Self::Output<R> {
+        (conduction::at_wall(self.path, &conductor, radius, &touch),)
+    }
+}
+
+/// [`conduction::flow`].
+#[derive(Clone, Copy, Debug)]
+pub struct HeatFlow;
+
+impl Formula for HeatFlow {
+    const NAME: &'static str = "heat_flow";
+    const INPUTS: &'static [&'static str] = &["conductance", "first_temperature", "second_temperature"];
+    const OUTPUTS: &'static [&'static str] = &["heat_rate"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (conductance, first_temperature, second_temperature): Self::Input<R>) -> Self::Output<R> {
+        (conduction::flow(conductance, first_temperature, second_temperature),)
+    }
+}
+
+/// [`Link::between`].
+#[derive(Clone, Copy, Debug)]
+pub struct LinkBetween;
+
+impl Formula for LinkBetween {
+    const NAME: &'static str = "link_between";
+    const INPUTS: &'static [&'static str] = &["conductor", "radii", "expansions"];
+    const OUTPUTS: &'static [&'static str] = &["link"];
+    type Input<R: Real> = (Conductor<R>, [R; 2], [R; 2]);
+    type Output<R: Real> = (Link<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (conductor, radii, expansions): Self::Input<R>) -> Self::Output<R> {
+        (Link::between(&conductor, radii, expansions),)
+    }
+}
+
+/// [`Link::conductance`].
+#[derive(Clone, Copy, Debug)]
+pub struct LinkConductance;
+
+impl Formula for LinkConductance {
+    const NAME: &'static str = "link_conductance";
+    const INPUTS: &'static [&'static str] = &["link", "bonded_length"];
+    const OUTPUTS: &'static [&'static str] = &["conductance"];
+    type Input<R: Real> = (Link<R>, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (link, bonded_length): Self::Input<R>) -> Self::Output<R> {
+        (link.conductance(bonded_length),)
+    }
+}
+
+/// [`Link::free_strain`].
+#[derive(Clone, Copy, Debug)]
+pub struct FreeStrain;
+
+impl Formula for FreeStrain {
+    const NAME: &'static str = "free_strain";
+    const INPUTS: &'static [&'static str] = &["link", "first_warmth", "second_warmth"];
+    const OUTPUTS: &'static [&'static str] = &["strain"];
+    type Input<R: Real> = (Link<R>, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (link, first_warmth, second_warmth): Self::Input<R>) -> Self::Output<R> {
+        (link.free_strain(first_warmth, second_warmth),)
+    }
+}
+
+/// [`Exchange::heat_rate`].
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceHeat;
+
+impl Formula for SurfaceHeat {
+    const NAME: &'static str = "surface_heat";
+    const INPUTS: &'static [&'static str] = &["exchange", "temperature", "outside"];
+    const OUTPUTS: &'static [&'static str] = &["heat_rate"];
+    type Input<R: Real> = (Exchange<R>, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (exchange, temperature, outside): Self::Input<R>) -> Self::Output<R> {
+        (exchange.heat_rate(temperature, outside),)
+    }
+}
+
+/// [`warming::warmed`].
+#[derive(Clone, Copy, Debug)]
+pub struct Warmed;
+
+impl Formula for Warmed {
+    const NAME: &'static str = "warmed";
+    const INPUTS: &'static [&'static str] = &["temperature", "heat_rate", "capacity", "heat_dt"];
+    const OUTPUTS: &'static [&'static str] = &["warmer"];
+    type Input<R: Real> = (R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (temperature, heat_rate, capacity, heat_dt): Self::Input<R>) -> Self::Output<R> {
+        (warming::warmed(temperature, heat_rate, capacity, heat_dt),)
+    }
+}
+
+/// [`warming::grown`].
+#[derive(Clone, Copy, Debug)]
+pub struct Grown;
+
+impl Formula for Grown {
+    const NAME: &'static str = "grown";
+    const INPUTS: &'static [&'static str] = &["reference_radius", "expansion", "warmth"];
+    const OUTPUTS: &'static [&'static str] = &["radius"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (reference_radius, expansion, warmth): Self::Input<R>) -> Self::Output<R> {
+        (warming::grown(reference_radius, expansion, warmth),)
+    }
+}
