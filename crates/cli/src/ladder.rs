@@ -83,7 +83,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     fs::create_dir_all(&out).map_err(|error| files::refused(&out, &error))?;
     files::try_to_write(&table)?;
     files::try_to_write(&document)?;
-    let start = |state: State, plan: Plan| Simulation::new(state, plan, &device.device);
+    let start = |state: State, plan: Plan| Simulation::new(state, plan, device.device);
     if !arguments.quiet {
         let step = step_seconds(&rungs[0], TRIAL, start).map_err(report)?;
         let machine = entry("device", &device.name) + entry("results in", argument(&out)).trim_end();
