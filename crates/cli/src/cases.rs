@@ -35,10 +35,12 @@ fn with(set: &[(String, String)]) -> String {
 
 /// Builds a case; other runs that it begins from are read.
 pub(crate) fn build(loaded: &Loaded) -> Result<Built, Reports> {
-    let runs = |directory: &Path| -> Result<State, String> {
-        load_final_state(directory).map(|last| last.state).map_err(|error| error.to_string())
-    };
-    Ok(loaded.build_with(&runs)?)
+    Ok(loaded.build_with(&run)?)
+}
+
+/// Reads the final state of another run.
+pub(crate) fn run(directory: &Path) -> Result<State, String> {
+    load_final_state(directory).map(|last| last.state).map_err(|error| error.to_string())
 }
 
 /// The case that a run keeps: with the step it chose, so that resuming takes the same one whatever happens to the

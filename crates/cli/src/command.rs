@@ -1,6 +1,8 @@
 //! What stands on the command line, and who answers it.
 
-use crate::{bench, calibrate, check, console, info, kernels, new, pack, picture, render, resume, run, shell, verify};
+use crate::{
+    bench, calibrate, check, console, info, kernels, ladder, new, pack, picture, render, resume, run, shell, verify,
+};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -51,6 +53,8 @@ enum Command {
     Verify(verify::Arguments),
     /// Find the bonds that give the packing of a case a modulus, a Poisson's ratio, a strength
     Calibrate(calibrate::Arguments),
+    /// Run a case with heat at S, S/2 and S/4 times the pace of its motion, and compare: the price of acceleration
+    Ladder(ladder::Arguments),
     /// Measure how fast this machine is
     Bench(bench::Arguments),
     /// Print the kernels of a case: the laws and what calls them, as OpenCL and CUDA compile them
@@ -75,6 +79,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Picture(arguments) => picture::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Calibrate(arguments) => calibrate::execute(&arguments),
+        Command::Ladder(arguments) => ladder::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Kernels(arguments) => kernels::execute(&arguments),
         Command::Schema => shell::schema(),

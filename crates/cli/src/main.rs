@@ -12,6 +12,8 @@ mod device;
 mod files;
 mod info;
 mod kernels;
+mod ladder;
+mod ladder_table;
 mod machine;
 mod memory;
 mod new;

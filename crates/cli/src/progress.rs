@@ -10,57 +10,79 @@ use tdem_results::{Control, Note, Observer, Progress};
 /// Lines in a log, besides the first.
 const LINES: u64 = 10;
 
+/// What shows how far something is.
+#[derive(Debug)]
+pub(crate) struct Meter {
+    quiet: bool,
+    bar: Option<ProgressBar>,
+    tenth: Option<u64>,
+}
+
+impl Meter {
+    pub(crate) fn new(quiet: bool) -> Self {
+        Meter { quiet, bar: (watched() && !quiet).then(bar), tenth: None }
+    }
+
+    /// So many steps of all are done; the line says more.
+    pub(crate) fn show(&mut self, done: u64, all: u64, line: impl FnOnce() -> String) {
+        if let Some(bar) = &self.bar {
+            bar.set_length(all);
+            bar.set_position(done);
+            bar.set_message(line());
+        } else if !self.quiet {
+            let tenth = done * LINES / all.max(1);
+            if self.tenth.is_some_and(|last| last < tenth) {
+                say(format!("{:>4} %  {}", 100 * done / all.max(1), line()));
+            }
+            self.tenth = Some(tenth);
+        }
+    }
+
+    /// Tells something beside the bar.
+    fn tell(&self, text: String) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| say(text)),
+            None if self.quiet => {}
+            None => say(text),
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// Watches a run, and hands signals on to it.
 #[derive(Debug)]
 pub(crate) struct Watch<'a> {
     signals: &'a Signals,
-    quiet: bool,
-    bar: Option<ProgressBar>,
-    tenth: Option<u64>,
+    meter: Meter,
     told: bool,
     latest: Option<Progress>,
 }
 
 impl<'a> Watch<'a> {
     pub(crate) fn new(signals: &'a Signals, quiet: bool) -> Self {
-        let bar = (watched() && !quiet).then(bar);
-        Watch { signals, quiet, bar, tenth: None, told: false, latest: None }
+        Watch { signals, meter: Meter::new(quiet), told: false, latest: None }
     }
 
     /// Takes the bar away and returns the last that was seen.
     pub(crate) fn finish(self) -> Option<Progress> {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
+        self.meter.finish();
         self.latest
-    }
-
-    fn show(&mut self, progress: &Progress) {
-        if let Some(bar) = &self.bar {
-            bar.set_length(progress.steps);
-            bar.set_position(progress.step);
-            bar.set_message(line(progress));
-        } else if !self.quiet {
-            let tenth = progress.step * LINES / progress.steps.max(1);
-            if self.tenth.is_some_and(|last| last < tenth) {
-                say(format!("{:>4} %  {}", 100 * progress.step / progress.steps.max(1), line(progress)));
-            }
-            self.tenth = Some(tenth);
-        }
     }
 }
 
 impl Observer for Watch<'_> {
     fn progress(&mut self, progress: &Progress) -> Control {
         self.latest = Some(*progress);
-        self.show(progress);
+        self.meter.show(progress.step, progress.steps, || line(progress));
         let Some(signal) = self.signals.caught() else { return Control::Continue };
-        if !std::mem::replace(&mut self.told, true) && !self.quiet {
-            let text = format!("{}: writing a checkpoint", signals::name(signal));
-            match &self.bar {
-                Some(bar) => bar.suspend(|| say(text)),
-                None => say(text),
-            }
+        if !std::mem::replace(&mut self.told, true) {
+            self.meter.tell(format!("{}: writing a checkpoint", signals::name(signal)));
         }
         Control::Stop
     }

@@ -94,6 +94,14 @@ impl Report {
     }
 }
 
+impl Reports {
+    /// The same with one more behind.
+    pub(crate) fn and(mut self, report: Report) -> Self {
+        self.0.push(report);
+        self
+    }
+}
+
 /// The nearest character boundary at or before an index.
 fn floor(text: &str, index: usize) -> usize {
     text.floor_char_boundary(index)

@@ -9,6 +9,7 @@ mod walls;
 pub(crate) use bonds::Link;
 pub(crate) use contacts::{Pair, WallSum};
 pub(crate) use particles::Start;
+pub use stress::mean_stress;
 
 use crate::glossary::{Entry, Kind, Place, Values};
 use crate::vtkhdf::array::Array;

@@ -8,6 +8,7 @@
 //! * [`info`] what a folder holds, and the state to begin another run from
 //! * [`curve`] two columns of the history against each other
 //! * [`picture`] spheres as pixels, without a GPU
+//! * [`mean_stress`] of particles, [`Pace`] and [`Rate`] of a run: for whoever watches a simulation without a folder
 
 mod blocks;
 pub mod checkpoint;
@@ -27,11 +28,12 @@ pub mod session;
 mod vtkhdf;
 mod writer;
 
-pub use blocks::{Contents, Precision};
+pub use blocks::{Contents, Precision, mean_stress};
 pub use checkpoint::{Damage, Damaged};
 pub use error::{Action, Error};
 pub use history::Row;
 pub use info::{CheckpointInfo, FinalState, FrameInfo, Info, info, load_final_state};
+pub use pace::{Pace, Rate};
 pub use pack::pack;
 pub use run_directory::{Resumed, RunDirectory};
 pub use session::{Control, Note, Observer, Outcome, Progress, RunError};

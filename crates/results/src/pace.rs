@@ -11,18 +11,24 @@ const GROWTH: u64 = 4;
 
 /// Sizes of batches. They change when results are written, never what is computed.
 #[derive(Debug)]
-pub(crate) struct Pace {
+pub struct Pace {
     batch: u64,
 }
 
-impl Pace {
-    pub(crate) fn new() -> Self {
+impl Default for Pace {
+    fn default() -> Self {
         Pace { batch: 1 }
     }
-    pub(crate) fn batch(&self) -> u64 {
+}
+
+impl Pace {
+    /// Steps until the clock is to be looked at again.
+    #[must_use]
+    pub fn batch(&self) -> u64 {
         self.batch
     }
-    pub(crate) fn took(&mut self, steps: u64, time: Duration) {
+    /// Tells how long so many steps took.
+    pub fn took(&mut self, steps: u64, time: Duration) {
         let per_step = (time.as_secs_f64() / steps.max(1) as f64).max(1e-9);
         // The cast saturates.
         let fitting = (TARGET.as_secs_f64() / per_step) as u64;
@@ -37,15 +43,18 @@ const LEAST: Duration = Duration::from_millis(200);
 
 /// Steps per second of wall clock, lately.
 #[derive(Debug)]
-pub(crate) struct Rate {
+pub struct Rate {
     marks: VecDeque<(Instant, u64)>,
 }
 
 impl Rate {
-    pub(crate) fn new(step: u64) -> Self {
+    /// Begins to watch at a step.
+    #[must_use]
+    pub fn new(step: u64) -> Self {
         Rate { marks: VecDeque::from([(Instant::now(), step)]) }
     }
-    pub(crate) fn reached(&mut self, step: u64) {
+    /// Tells that a step is reached now.
+    pub fn reached(&mut self, step: u64) {
         let now = Instant::now();
         // Marks closer together than this add nothing but memory.
         if self.marks.back().is_none_or(|&(last, _)| now - last >= TARGET / 4) || self.marks.len() < 2 {
@@ -57,12 +66,16 @@ impl Rate {
             self.marks.pop_front();
         }
     }
-    pub(crate) fn steps_per_second(&self) -> Option<f64> {
+    /// Steps per second; `None` until that can be said.
+    #[must_use]
+    pub fn steps_per_second(&self) -> Option<f64> {
         let (&(began, first), &(ended, last)) = (self.marks.front()?, self.marks.back()?);
         let time = ended - began;
         (time >= LEAST).then(|| (last - first) as f64 / time.as_secs_f64())
     }
-    pub(crate) fn time_for(&self, steps: u64) -> Option<Duration> {
+    /// How long so many steps take at this rate; `None` until that can be said.
+    #[must_use]
+    pub fn time_for(&self, steps: u64) -> Option<Duration> {
         let rate = self.steps_per_second().filter(|&rate| rate > 0.0)?;
         Duration::try_from_secs_f64(steps as f64 / rate).ok()
     }
@@ -74,7 +87,7 @@ mod tests {
 
     #[test]
     fn batches_grow_and_shrink_with_the_time_they_take() {
-        let mut pace = Pace::new();
+        let mut pace = Pace::default();
         let sizes: Vec<u64> = (0..6)
             .map(|_| {
                 pace.took(pace.batch(), Duration::from_micros(pace.batch() * 1000));

@@ -255,7 +255,7 @@ impl<'a, 'scope> Session<'a, 'scope> {
     }
 
     fn run(&mut self) -> Result<Outcome, Failure> {
-        let mut pace = Pace::new();
+        let mut pace = Pace::default();
         let mut rate = Rate::new(self.simulation.step());
         if self.observe(&rate)? == Control::Stop && self.simulation.step() < self.schedule.steps {
             return self.stop();

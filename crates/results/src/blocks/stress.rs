@@ -3,9 +3,9 @@
 use super::Scene;
 use rayon::prelude::*;
 use std::f64::consts::PI;
-use tdem_engine::Evaluated;
 use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::Axis;
+use tdem_engine::{Evaluated, Plan, State};
 
 /// A symmetric tensor in VTK's order: xx, yy, zz, xy, yz, xz.
 type Symmetric = [f64; 6];
@@ -14,6 +14,14 @@ type Share = [Option<(usize, Symmetric)>; 2];
 
 /// Contacts whose shares are held at a time: those of all would take more memory than the state.
 const CHUNK: usize = 65_536;
+
+/// Mean of the three normal stresses in each particle from its contacts and bonds, Pa, `(N)`, tension positive: a third of
+/// the trace of what frames show as `stress`.
+#[must_use]
+pub fn mean_stress(state: &State, plan: &Plan) -> Vec<f64> {
+    let scene = Scene { state, plan, start: None };
+    scene.stress().iter().map(|[xx, yy, zz, ..]| (xx + yy + zz) / 3.0).collect()
+}
 
 impl Scene<'_> {
     /// Mean stress in each sphere, Pa, `(N, 6)`, tension positive:

@@ -1,6 +1,6 @@
 //! From values to colours.
 
-use crate::blocks::Scene;
+use crate::blocks::{Scene, mean_stress};
 use tdem_engine::{Plan, State};
 
 /// What colours mean.
@@ -40,7 +40,7 @@ impl Colour {
             Colour::Height => state.position.iter().map(|position| position[2]).collect(),
             Colour::Radius => state.radius.clone(),
             Colour::Material => state.material.iter().map(|&material| material.into()).collect(),
-            Colour::Stress => scene.stress().iter().map(|[xx, yy, zz, ..]| (xx + yy + zz) / 3.0).collect(),
+            Colour::Stress => mean_stress(state, plan),
             Colour::Damage => scene.damage(),
         }
     }

@@ -1,0 +1,175 @@
+//! `tdem ladder`: what it costs to let the heat of a case go faster than its motion.
+
+use crate::console::{data, say};
+use crate::machine::Machine;
+use crate::progress::Meter;
+use crate::render::{self, Report, Reports};
+use crate::units::{argument, bytes, clock, entry, grouped, number, short};
+use crate::{cases, files, ladder_table, memory, summary};
+use clap::Args;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+use tdem_case::{Loaded, Memory};
+use tdem_engine::{Plan, Simulation, State};
+use tdem_studies::ladder::{Error, Progress, Rung, climb, kept_bytes, rungs, step_seconds};
+
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// The case file: one with [heat] that goes faster than the motion
+    #[arg(value_name = "CASE.toml")]
+    case: PathBuf,
+    /// How often the case runs, each time at half the pace of the heat
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=8))]
+    rungs: u32,
+    /// Into how many equal parts the time of the heat is divided; at the end of each, runs are compared
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    instants: u32,
+    /// Directory for the results [default: runs/NAME-ladder, after the case file]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the results that are in the directory
+    #[arg(long)]
+    overwrite: bool,
+    /// Change a line of the case, as for `tdem run`
+    #[arg(long, value_name = "KEY=VALUE", value_parser = cases::key_value)]
+    set: Vec<(String, String)>,
+    /// Print the results, and say nothing else but warnings and errors
+    #[arg(long, short)]
+    quiet: bool,
+    #[command(flatten)]
+    machine: Machine,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  tdem ladder cases/heating.toml
+  tdem ladder cases/heating.toml --rungs 2 --set heat.duration=2000.0 --set time.end=0.004
+  tdem ladder cases/heating.toml --set size=88k --device cuda --out runs/price
+
+Heat that goes S times as fast as motion leaves bodies less time to follow. The case runs at S, S/2, S/4, ... with the same
+step, so that each run takes twice as long as the one before, and runs are compared particle by particle and bond by bond
+at equal times of the heat. Where differences halve from one pair to the next (order 1), the first run of a pair is twice
+its difference away from what a run without acceleration gives, and the second once.
+
+Frames are not written. What moves by the clock of the motion (prescribed motion, walls that move, forces along points)
+would be elsewhere on each rung: such a case is refused. Gravity and constant forces may be there.";
+
+/// The file that stands for the results.
+const TABLE: &str = "ladder.csv";
+const REPORT: &str = "ladder.md";
+/// Steps are timed for about so long before all begins.
+const TRIAL: Duration = Duration::from_millis(500);
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let out = arguments.out.clone().unwrap_or_else(|| default_directory(&arguments.case));
+    let loaded = cases::load(&arguments.case, &arguments.set)?;
+    let (table, document) = (out.join(TABLE), out.join(REPORT));
+    if !arguments.overwrite && (table.exists() || document.exists()) {
+        let out = argument(&out);
+        let help = "replace it: add --overwrite\nkeep both: add --out DIR";
+        return Err(Report::new("tdem::ladder::exists", format!("{out} holds a ladder already")).help(help).into());
+    }
+    arguments.machine.prepare()?;
+    let device = arguments.machine.find()?;
+    let rungs = rungs(&loaded, arguments.rungs, &cases::run).map_err(report)?;
+    let first = &rungs[0].built;
+    render::warn(&Reports::from(&first.warnings));
+    let needed = first.memory.run_bytes + kept_bytes(&rungs, arguments.instants);
+    memory::warn(&Memory { run_bytes: needed, ..first.memory });
+    fs::create_dir_all(&out).map_err(|error| files::refused(&out, &error))?;
+    files::try_to_write(&table)?;
+    files::try_to_write(&document)?;
+    let start = |state: State, plan: Plan| Simulation::new(state, plan, device.device);
+    if !arguments.quiet {
+        let step = step_seconds(&rungs[0], TRIAL, start).map_err(report)?;
+        let machine = entry("device", &device.name) + entry("results in", argument(&out)).trim_end();
+        say(before(&loaded, &rungs, step, needed) + &machine);
+    }
+    let mut meter = Meter::new(arguments.quiet);
+    let climbed = climb(rungs, arguments.instants, start, &mut |progress: &Progress<'_>| {
+        meter.show(progress.done, progress.steps, || line(progress));
+    });
+    meter.finish();
+    let ladder = climbed.map_err(report)?;
+    let title = if loaded.case.title.is_empty() { &loaded.source.name } else { &loaded.case.title };
+    files::write(&table, ladder_table::csv(&ladder).as_bytes())?;
+    files::write(&document, ladder_table::markdown(title, &loaded.source.name, &ladder).as_bytes())?;
+    data(ladder_table::text(&ladder))?;
+    if !arguments.quiet {
+        say(format!("Written: {}, {}", argument(&table), argument(&document)));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn default_directory(case: &Path) -> PathBuf {
+    let mut name = case.file_stem().unwrap_or(case.as_os_str()).to_owned();
+    name.push("-ladder");
+    Path::new("runs").join(name)
+}
+
+/// What is about to run, and how long it will take.
+fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, needed: u64) -> String {
+    let (case, first) = (&loaded.case, &rungs[0].built);
+    let steps: Vec<u64> = rungs.iter().map(|rung| rung.built.schedule.steps).collect();
+    let listed = |cells: Vec<String>| cells.join(", ");
+    let scales = listed(rungs.iter().map(|rung| short(rung.time_scale())).collect());
+    let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
+    text += &entry("particles", format!("{}, model {:?}", grouped(first.state.len() as u64), case.model));
+    text += &entry("heat", format!("{} s, {scales} times as fast as motion", short(rungs[0].heat_end())));
+    text += &entry("step", summary::step(first));
+    text += &entry("steps", listed(steps.iter().map(|&steps| grouped(steps)).collect()));
+    text += &entry("memory", format!("about {}", bytes(needed)));
+    let all = step_seconds * steps.iter().sum::<u64>() as f64;
+    let time = Duration::try_from_secs_f64(all).unwrap_or(Duration::MAX);
+    text + &entry("time", format!("about {}, by the first steps", clock(time)))
+}
+
+/// What matters, the most wanted first.
+fn line(progress: &Progress<'_>) -> String {
+    let mut line = String::new();
+    if let Some(left) = progress.time_left.filter(|_| progress.done < progress.steps) {
+        let _ = write!(line, "{} left  ", clock(left));
+    }
+    let _ = write!(line, "rung {} of {}, {}  ", progress.rung + 1, progress.rungs, progress.label);
+    let _ = write!(line, "heat {}/{} s  ", number(progress.heat_time, 3), number(progress.heat_end, 3));
+    if progress.cundall_number > 0.0 {
+        let _ = write!(line, "{} particle-steps/s", number(progress.cundall_number, 3));
+    }
+    line.trim_end().to_owned()
+}
+
+/// What stands in the way, and what to do.
+fn report(error: Error) -> Reports {
+    let message = error.to_string();
+    let (code, help) = match error {
+        Error::NoHeat => ("tdem::ladder::no-heat", "a case with a table [heat] is needed, such as cases/heating.toml"),
+        Error::NotAccelerated { .. } => (
+            "tdem::ladder::not-accelerated",
+            "give the heat a `time_scale` above 1, or a `duration` longer than time.end; heat with particles that are \
+             \"frozen\" or \"quasi-static\" has its own time, and nothing is accelerated",
+        ),
+        Error::TooManyRungs { .. } => ("tdem::ladder::too-many-rungs", "ask for fewer with --rungs"),
+        Error::FollowsMotion { .. } => (
+            "tdem::ladder::follows-motion",
+            "hold it still or make it constant, with --set if only for this; constant forces and gravity may be there",
+        ),
+        Error::Refused { label, problems } => {
+            let message = format!("the case is refused on rung {label} of the ladder, as above");
+            return Reports::from(problems).and(Report::new("tdem::ladder::refused", message));
+        }
+        Error::OutOfRange(_) => ("tdem::ladder::out-of-range", "ask for fewer rungs with --rungs"),
+        Error::Different => {
+            ("tdem::ladder::different", "no case should cause this: please report it with the case and the command")
+        }
+        Error::Fault { label, fault } => {
+            let message = format!("rung {label} of the ladder came to no end, as above");
+            let stopped = Report::new("tdem::ladder::fault", message);
+            return Reports::from(fault).and(stopped.help("`tdem run` shows how far the case gets by itself"));
+        }
+    };
+    Report::new(code, message).help(help).into()
+}

@@ -1,0 +1,127 @@
+//! `tdem ladder` compares runs of a case, writes what it found, and says what it cannot compare.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
+
+mod common;
+
+use common::Room;
+use std::fs;
+
+/// 32 spheres that are heated from above, in some hundred steps.
+const WARM: &str = r#"
+title = "Warm"
+model = "TBPM"
+gravity = [0.0, 0.0, 0.0]
+[time]
+step = "auto"
+end = 1e-3
+[domain]
+min = [-0.05, -0.05, -0.05]
+max = [0.1, 0.1, 0.1]
+[material.rock]
+density = 3000.0
+young_modulus = 20e9
+poisson_ratio = 0.2
+thermal_conductivity = 2.0
+specific_heat = 900.0
+thermal_expansion = 8e-6
+[[interaction]]
+between = ["rock", "rock"]
+static_friction = 0.5
+dynamic_friction = 0.5
+normal_damping = 1000.0
+tangential_damping = 100.0
+[heat]
+scale = "celsius"
+initial_temperature = 20.0
+contacts = "closed"
+bar_radius = "fcc"
+duration = 400.0
+[bonds]
+local_damping = 0.5
+[[bond]]
+between = ["rock", "rock"]
+damping_ratio = 0.05
+moment_contribution = 0.0
+[bond.lattice]
+young_modulus = 20e9
+poisson_ratio = 0.2
+tensile_strength = 1e12
+shear_factor = 3.0
+[[particles]]
+material = "rock"
+lattice = { kind = "fcc", radius = 0.005, cells = [2, 2, 2], origin = [0.0, 0.0, 0.0] }
+[[surface]]
+face = "+z"
+temperature = [[0.0, 20.0], [200.0, 120.0]]
+"#;
+
+const LADDER: [&str; 6] = ["ladder", "warm.toml", "--device", "cpu", "--threads", "1"];
+
+#[test]
+fn a_ladder_is_shown_and_written() {
+    let room = Room::new();
+    room.write("warm.toml", WARM);
+    let said = room.tdem(&[&LADDER[..], &["--instants", "4"]].concat()).exits(0);
+    for part in
+        ["S = 4e5 against S/2 = 2e5", "S/2 = 2e5 against S/4 = 1e5", "T rms K", "S/4 in place of S/2: at the end"]
+    {
+        assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
+    }
+    let said =
+        said.complains(&["Warm", "4e5, 2e5, 1e5 times as fast as motion", "about", "runs/warm-ladder", " 100 %"]);
+    assert!(said.out.contains("no bond is broken"), "{}", said.out);
+    let table = fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 1 + 2 * 4, "{table}");
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()), "{table}");
+    let number = |row: usize, name: &str| -> f64 {
+        let column = rows[0].iter().position(|column| *column == name).unwrap();
+        rows[row][column].parse().unwrap()
+    };
+    // Two pairs at the same times of the heat, the second nearer to each other and with an order.
+    for instant in 1..=4 {
+        assert_eq!(number(instant, "heat_time"), number(instant + 4, "heat_time"));
+        assert!(number(instant + 4, "temperature_rms") < number(instant, "temperature_rms"));
+    }
+    assert!((number(8, "temperature_order") - 1.0).abs() < 0.2, "{table}");
+    assert_eq!(number(8, "finer_time_scale"), 1e5);
+    let document = fs::read_to_string(room.path("runs/warm-ladder/ladder.md")).unwrap();
+    assert!(document.starts_with("# The price of acceleration: Warm\n"), "{document}");
+    assert!(document.contains("| rung | time scale |") && document.contains("## S/2 = 2e5 against S/4 = 1e5"));
+}
+
+#[test]
+fn results_that_are_there_are_kept() {
+    let room = Room::new();
+    room.write("warm.toml", WARM);
+    let short = [&LADDER[..], &["--rungs", "2", "--instants", "1", "--quiet", "--out", "price"]].concat();
+    let said = room.tdem(&short).exits(0);
+    assert_eq!(said.err, "");
+    room.write("price/ladder.csv", "mine");
+    room.tdem(&short).exits(1).complains(&["tdem::ladder::exists", "--overwrite"]);
+    assert_eq!(fs::read_to_string(room.path("price/ladder.csv")).unwrap(), "mine");
+    room.tdem(&[&short[..], &["--overwrite"]].concat()).exits(0);
+    assert!(fs::read_to_string(room.path("price/ladder.csv")).unwrap().starts_with("rung,"));
+}
+
+#[test]
+fn what_has_no_ladder_is_told() {
+    let room = Room::new();
+    room.write("warm.toml", WARM);
+    room.tdem(&["ladder", "case.toml", "--device", "cpu"]).exits(1).complains(&["tdem::ladder::no-heat", "[heat]"]);
+    let ladder = |more: &[&str]| room.tdem(&[&LADDER[..], more].concat());
+    ladder(&["--set", "heat.duration=1e-3"]).exits(1).complains(&["tdem::ladder::not-accelerated", "time_scale"]);
+    ladder(&["--set", "heat.duration=2e-3"]).exits(1).complains(&["tdem::ladder::too-many-rungs", "--rungs"]);
+    ladder(&["--rungs", "1"]).exits(2);
+    // What the case itself is refused for is said as by `tdem check`, with the rung.
+    ladder(&["--set", "time.end=1e-5"]).exits(1).complains(&["tdem::case::time-scale", "rung S of the ladder"]);
+    room.write(
+        "pressed.toml",
+        &format!(
+            "{WARM}[[wall]]\nname = \"press\"\npoint = [0.0, 0.0, 0.08]\n\
+                                         normal = [0.0, 0.0, -1.0]\nvelocity = [0.0, 0.0, -0.1]\nmaterial = \"rock\"\n"
+        ),
+    );
+    let pressed = room.tdem(&["ladder", "pressed.toml", "--device", "cpu"]).exits(1);
+    pressed.complains(&["tdem::ladder::follows-motion", "`press` moves"]);
+}

@@ -1,0 +1,96 @@
+//! The price of acceleration: one case with its heat $S$, $S/2$, $S/4$, ... times as fast as its motion, and how far what
+//! comes out differs from rung to rung.
+//!
+//! Only a case that runs its heat faster than its motion can be afforded, and its bodies then have less time to follow: they
+//! swing, dashpots push, cracks run while the heat goes on, and temperatures go in larger steps $S\,\Delta t$. All rungs take
+//! the step $\Delta t$ of the first, so that nothing but $S$ tells them apart. Where a difference $d$ between $S$ and $S/2$
+//! halves from rung to rung (first order), the first of the two is off by $2d$ and the second by $d$ from a run without
+//! acceleration.
+//!
+//! [`rungs()`] makes the rungs of a case, [`climb()`] runs and compares them. What compares does not ask how rungs came about.
+
+mod climb;
+mod compare;
+mod rung;
+
+pub use climb::{Ladder, Outcome, Progress, climb, kept_bytes, step_seconds};
+pub use compare::{Difference, Pair, Spread};
+pub use rung::{Rung, rungs};
+
+use std::fmt;
+use tdem_case::Problems;
+use tdem_case::schema::OutOfRange;
+use tdem_engine::Fault;
+
+/// Why there is no comparison.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The case has no heat.
+    #[error("the case has no heat, so that there is nothing to accelerate")]
+    NoHeat,
+    /// The heat is not faster than the motion.
+    #[error("heat goes {time_scale} times as fast as motion: nothing is accelerated")]
+    NotAccelerated {
+        /// Time of the heat over time of the motion.
+        time_scale: f64,
+    },
+    /// Rungs would go on below the pace of nature.
+    #[error(
+        "on the last of {rungs} rungs heat would go {lowest} times as fast as motion, slower than it does by itself"
+    )]
+    TooManyRungs {
+        /// How many were asked for.
+        rungs: u32,
+        /// Time of the heat over time of the motion on the last one.
+        lowest: f64,
+    },
+    /// Something is told to move along with the time of the motion, which rungs have different amounts of.
+    #[error("{what}, and on each rung of the ladder the motion takes twice as long as on the one before")]
+    FollowsMotion {
+        /// What it is.
+        what: Follower,
+    },
+    /// The case cannot be built at this time scale.
+    #[error("the rung {label} is refused: {problems}")]
+    Refused {
+        /// Of the rung.
+        label: String,
+        /// Why.
+        problems: Problems,
+    },
+    /// A duration that cannot be written down.
+    #[error("a rung would take a time that is no time: {0}")]
+    OutOfRange(#[from] OutOfRange),
+    /// Rungs are not of one case.
+    #[error("the rungs are not of the same particles and bonds")]
+    Different,
+    /// A rung failed.
+    #[error("the rung {label} failed: {fault}")]
+    Fault {
+        /// Of the rung.
+        label: String,
+        /// Why.
+        fault: Fault,
+    },
+}
+
+/// What depends on the time of the motion.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Follower {
+    /// A wall of this name moves.
+    Wall(String),
+    /// Particles move as prescribed.
+    Motion,
+    /// A motion or a force goes along points of time.
+    Course,
+}
+
+impl fmt::Display for Follower {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Follower::Wall(name) => write!(f, "the wall `{name}` moves"),
+            Follower::Motion => f.write_str("particles move as prescribed"),
+            Follower::Course => f.write_str("a prescribed motion or a force changes with time"),
+        }
+    }
+}
