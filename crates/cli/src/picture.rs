@@ -65,6 +65,8 @@ enum Field {
     Stress,
     /// Share of the bonds that broke
     Damage,
+    /// Temperature, K; grey without heat
+    Temperature,
 }
 
 impl Field {
@@ -78,6 +80,7 @@ impl Field {
             Field::Material => (Colour::Material, ""),
             Field::Stress => (Colour::Stress, " Pa"),
             Field::Damage => (Colour::Damage, ""),
+            Field::Temperature => (Colour::Temperature, " K"),
         }
     }
     fn name(self) -> String {

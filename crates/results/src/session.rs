@@ -356,7 +356,7 @@ impl<'a, 'scope> Session<'a, 'scope> {
                 self.observer.note(&note);
             }
             Report::Ledger { ledger, step, cost } => {
-                self.ledger = ledger;
+                self.ledger = *ledger;
                 self.ledger_step = step;
                 self.ledger_cost = cost;
                 self.ledger_drawn = Instant::now();

@@ -74,12 +74,12 @@ enum Job {
 }
 
 /// What the thread tells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Report {
     /// Something was written.
     Note(Note),
     /// A ledger was drawn up.
-    Ledger { ledger: Ledger, step: u64, cost: Duration },
+    Ledger { ledger: Box<Ledger>, step: u64, cost: Duration },
     /// A job is done.
     Done,
 }
@@ -213,7 +213,7 @@ impl Desk<'_> {
         let step = state.step;
         if wanted.row || !wanted.written() {
             let ledger = Ledger::of(&state, self.plan);
-            self.tell(Report::Ledger { ledger, step, cost: took + began.elapsed() });
+            self.tell(Report::Ledger { ledger: Box::new(ledger), step, cost: took + began.elapsed() });
             if wanted.row {
                 self.sink.row(&Row::of(&state, self.plan, ledger))?;
             }

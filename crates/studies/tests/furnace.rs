@@ -34,13 +34,20 @@ fn computed(overrides: &[(&str, &str)]) -> Vec<f64> {
     let bottom = built.plan.gauges.iter().find(|gauge| gauge.name == "bottom").cloned().expect("the bottom is watched");
     let plan = built.plan.clone();
     let mut simulation = Simulation::new(built.state, built.plan, cpu::Options::default()).expect("the case starts");
-    let mut rows = Vec::new();
-    for time in times() {
-        let steps = (time / plan.dt).round() as u64 - simulation.step();
-        simulation.advance(steps).expect("the case runs through");
+    let temperature = |simulation: &mut Simulation| {
         let state = simulation.state().expect("a state can be taken");
         let Reading::Surface { temperature, .. } = bottom.read(&state, &plan) else { panic!("a surface is watched") };
-        rows.push(temperature - 273.15);
+        temperature - 273.15
+    };
+    let mut rows = Vec::new();
+    for time in times() {
+        // Straight between the steps before and after.
+        let steps = (time / plan.dt).floor() as u64 - simulation.step();
+        simulation.advance(steps).expect("the case runs through");
+        let before = (simulation.time(), temperature(&mut simulation));
+        simulation.advance(1).expect("the case runs through");
+        let after = (simulation.time(), temperature(&mut simulation));
+        rows.push(before.1 + (after.1 - before.1) * (time - before.0) / (after.0 - before.0));
     }
     rows
 }

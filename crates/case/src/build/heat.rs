@@ -66,7 +66,7 @@ pub(super) fn of(
 
 /// What particles do while heat goes on, and the step of the plan, s: that of the heat where heat advances by itself.
 pub(super) fn turns(heat: &schema::Heat, step: f64, warming: &Warming, safety: f64) -> (Motion, f64) {
-    let (scheme, largest) = match heat.scheme {
+    let (scheme, largest) = match heat.scheme.unwrap_or_default() {
         schema::Scheme::Implicit => (Scheme::Implicit, f64::INFINITY),
         schema::Scheme::Explicit => (Scheme::Explicit, safety * warming.safe_step),
     };
@@ -75,7 +75,7 @@ pub(super) fn turns(heat: &schema::Heat, step: f64, warming: &Warming, safety: f
         schema::Motion::Scaled => (Motion::Stepped, step),
         schema::Motion::Frozen => (Motion::Frozen(scheme), step_of_heat),
         schema::Motion::QuasiStatic => {
-            let schema::Relaxation { ratio, at_most_steps, check_every } = heat.relaxation;
+            let schema::Relaxation { ratio, at_most_steps, check_every } = heat.relaxation.clone().unwrap_or_default();
             let relaxation = Relaxation { scheme, dt: step, ratio: ratio.get(), at_most_steps, check_every };
             (Motion::QuasiStatic(relaxation), step_of_heat)
         }

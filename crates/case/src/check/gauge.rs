@@ -72,7 +72,7 @@ impl Gauge {
 impl Checker<'_> {
     /// Whether a gauge watches, or a surface belongs to, a group or zone of this name.
     pub(super) fn is_watched(&self, name: &str) -> bool {
-        let surfaces = self.case.surface.iter().flat_map(|surface| surface.of.as_deref());
+        let surfaces = self.case.surface.iter().filter_map(|surface| surface.of.as_deref());
         let gauges = self.case.gauge.iter().flat_map(Gauge::watched);
         !name.is_empty() && gauges.chain(surfaces).any(|watched| watched == name)
     }

@@ -73,7 +73,7 @@ impl Checker<'_> {
             let help = if scaled { "write motion = \"quasi-static\" or \"frozen\", or remove it" } else { "remove it" };
             self.push(if scaled { problem.help(help) } else { problem.at(cause, "with this").help(help) });
         }
-        if !scaled && heat.step.is_none() && heat.scheme == Scheme::Implicit {
+        if !scaled && heat.step.is_none() && heat.scheme.unwrap_or_default() == Scheme::Implicit {
             let place = self.place(&["heat", "motion"]);
             self.push(
                 Problem::error("tdem::case::missing-key", "nothing says how long a step of the heat is")

@@ -43,12 +43,12 @@ pub struct Heat {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "s"))]
     pub step: Option<Positive>,
-    /// How heat advances by itself: "implicit", stable with any step, or "explicit".
-    #[serde(default)]
-    pub scheme: Scheme,
+    /// How heat advances by itself: "implicit", stable with any step, which is meant if left out, or "explicit".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scheme: Option<Scheme>,
     /// When particles count as being at rest, if they are "quasi-static".
-    #[serde(default)]
-    pub relaxation: Relaxation,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relaxation: Option<Relaxation>,
     /// How much faster the time of the heat goes than that of the motion; 1.0 if left out. Give this or `duration`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_scale: Option<Positive>,

@@ -22,6 +22,8 @@ pub enum Colour {
     Stress,
     /// Share of the bonds that broke.
     Damage,
+    /// Temperature; not a number without heat.
+    Temperature,
 }
 
 /// A value between the two ends of the colours, 0 to 1.
@@ -42,6 +44,8 @@ impl Colour {
             Colour::Material => state.material.iter().map(|&material| material.into()).collect(),
             Colour::Stress => mean_stress(state, plan),
             Colour::Damage => scene.damage(),
+            Colour::Temperature if state.temperature.is_empty() => vec![f64::NAN; state.len()],
+            Colour::Temperature => state.temperature.clone(),
         }
     }
 

@@ -31,10 +31,10 @@ impl Warming {
             for (pair, length) in bonded.lengths(domain, state) {
                 let radius_sum = state.radius[pair[0]] + state.radius[pair[1]];
                 let through = bar(plan.conductor(state.material[pair[0]], state.material[pair[1]]), radius_sum, length);
-                pair.iter().for_each(|&index| {
+                for index in pair {
                     conductance[index] += through;
                     bonds[index] += 1.0;
-                });
+                }
             }
         }
         (0..state.len())

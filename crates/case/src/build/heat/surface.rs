@@ -59,7 +59,9 @@ pub(super) fn expose(
             *known.entry((material, of)).or_insert_with(|| {
                 let conductivity = context.materials.thermal[usize::from(material)].conductivity;
                 let mut exposure = Exposure::default();
-                parts.iter_mut().for_each(|of_skin| of_skin.push(None));
+                for of_skin in &mut parts {
+                    of_skin.push(None);
+                }
                 for &k in of {
                     parts[k][exposures.len()] = Some(skins[k].add_to(&mut exposure, heat, conductivity));
                 }
