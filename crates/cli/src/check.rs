@@ -42,6 +42,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
     text += &entry("on a GPU", format!("about {} of its memory", bytes(built.memory.device_bytes)));
     text += &entry("step", summary::step(&built));
+    text += &summary::heat(&built);
     text += &schedule(&built);
     text += &limits(&built.limits);
     data(text.trim_end())?;

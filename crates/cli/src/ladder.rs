@@ -19,7 +19,7 @@ use tdem_studies::ladder::{Error, Progress, Rung, climb, kept_bytes, rungs, step
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The case file: one with [heat] that goes faster than the motion
+    /// The case file: one whose heat goes faster than the motion
     #[arg(value_name = "CASE.toml")]
     case: PathBuf,
     /// How often the case runs, each time at half the pace of the heat

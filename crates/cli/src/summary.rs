@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tdem_case::{Built, Loaded};
-use tdem_engine::{Ledger, Schedule};
+use tdem_engine::{Ledger, Motion, Schedule, Scheme};
 use tdem_results::{Progress, info};
 
 /// What a run is about to do.
@@ -14,6 +14,7 @@ pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, device
     let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
     text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
     text += &entry("step", step(built));
+    text += &heat(built);
     let end = short(built.plan.time(schedule.steps));
     text += &entry("duration", format!("{end} s, {}", counted(schedule.steps, "step")));
     text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
@@ -24,6 +25,9 @@ pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, device
 /// The step and what limits it.
 pub(crate) fn step(built: &Built) -> String {
     let limits = &built.limits;
+    if built.plan.heat.as_ref().is_some_and(|heat| heat.motion.takes_turns()) {
+        return format!("{} s of heat", number(built.plan.dt, 5));
+    }
     let step = format!("{} s", number(limits.step, 5));
     match limits.smallest() {
         Some(limit) if limits.auto && limits.step < limits.safety * limit.seconds * (1.0 - 1e-9) => {
@@ -38,6 +42,29 @@ pub(crate) fn step(built: &Built) -> String {
         }
         None => format!("{step}, nothing limits it"),
     }
+}
+
+/// How heat goes on, if there is any.
+pub(crate) fn heat(built: &Built) -> String {
+    let Some(heat) = &built.plan.heat else { return String::new() };
+    let scheme = |scheme: Scheme| match scheme {
+        Scheme::Explicit => "explicit",
+        Scheme::Implicit => "implicit",
+    };
+    let text = match heat.motion {
+        Motion::Stepped if heat.time_scale == 1.0 => "along with the motion".to_owned(),
+        Motion::Stepped => {
+            let duration = short(built.plan.heat_time(built.schedule.steps));
+            format!("{} times as fast as the motion, {duration} s in all", short(heat.time_scale))
+        }
+        Motion::Frozen(of) => format!("alone, {}; nothing moves", scheme(of)),
+        Motion::QuasiStatic(relaxation) => format!(
+            "{}; after each step particles come to rest, in steps of {} s",
+            scheme(relaxation.scheme),
+            short(relaxation.dt)
+        ),
+    };
+    entry("heat", text)
 }
 
 /// A run that has come to its end.
@@ -96,8 +123,10 @@ fn energy_error(ledger: &Ledger) -> String {
     let moved = ledger.kinetic()
         + ledger.elastic_normal
         + ledger.elastic_tangential
+        + ledger.elastic_bonds
         + ledger.friction_dissipated.abs()
-        + ledger.damping_dissipated.abs();
+        + ledger.damping_dissipated.abs()
+        + ledger.breakage_dissipated;
     let error = format!("{} J", number(ledger.energy_error, 2));
     if moved > 0.0 {
         let share = number(100.0 * (ledger.energy_error / moved).abs(), 2);
