@@ -244,11 +244,17 @@ def check_gauges(findings, run, history):
     for gauge in case.get("gauge", []):
         name, between = gauge["name"], "between" in gauge
         columns = [f"{name}_{what}" for what in ("elongation", "strain")]
-        if not between:
+        surface = "surface" in gauge
+        if surface:
+            columns = [f"{name}_temperature", f"{name}_heat_rate"]
+        elif not between:
             columns = [f"{name}_{what}_{axis}" for what in ("displacement", "force") for axis in "xyz"]
         there = all(column in row for row in rows for column in columns)
         findings.check(there, f"{run}: gauge {name} lacks columns")
         if not there:
+            continue
+        if surface:
+            findings.check(all(row[columns[0]] > 0 for row in rows), f"{run}: {name} is below absolute zero")
             continue
         moved = columns[:2] if between else columns[:3]
         if rows[0]["step"] == 0:
