@@ -4,6 +4,7 @@ use crate::check::COMPONENTS;
 use crate::problem::Problem;
 use crate::schema::{Case, Course, Force, Measured, Prescribed};
 use crate::structure::suggestion;
+use crate::table;
 use crate::tree::Node;
 use std::path::Path;
 
@@ -105,8 +106,8 @@ fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
         let help = "paths are relative to the folder of the case";
         fault("tdem::case::csv-unreadable", "file", format!("cannot read {name}: {error}"), help)
     })?;
-    let mut lines = text.lines().zip(1_usize..).filter(|(line, _)| !line.trim().is_empty() && !line.starts_with('#'));
-    let Some((header, _)) = lines.next() else {
+    let mut lines = table::lines(&text);
+    let Some((_, header)) = lines.next() else {
         return Err(fault(
             "tdem::case::csv-empty",
             "file",
@@ -123,7 +124,7 @@ fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
     };
     let chosen = [column("time", &measured.time)?, column("value", &measured.value)?];
     let mut points = Vec::new();
-    for (line, number) in lines {
+    for (number, line) in lines {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let value = |column: usize| fields.get(column).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite());
         let [Some(time), Some(value)] = chosen.map(value) else {
@@ -140,7 +141,7 @@ fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
             "each row is a time and a value",
         ));
     }
-    if !text.ends_with('\n') {
+    if table::is_cut_off(&text) {
         let what = format!("{name} does not end with a line break: its last line may be cut off");
         return Err(fault("tdem::case::csv-truncated", "file", what, "write the file again"));
     }

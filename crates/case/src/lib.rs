@@ -27,6 +27,7 @@ mod schedule;
 pub mod schema;
 mod starter;
 mod structure;
+mod table;
 mod tree;
 mod walls;
 

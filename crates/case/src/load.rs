@@ -4,7 +4,7 @@ use crate::check;
 use crate::courses;
 use crate::overrides;
 use crate::problem::{Problem, Problems, Source};
-use crate::schema::{Case, json_schema};
+use crate::schema::{Case, Model, json_schema};
 use crate::structure;
 use crate::tree::Node;
 use std::path::{Path, PathBuf};
@@ -94,6 +94,23 @@ impl Loaded {
         // All types serialise; if one did not, the text as read would still be the case.
         let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());
         format!("# Every default written out.\n{size}{body}")
+    }
+
+    /// The same case without heat: TBPM becomes BPM. What only heat has goes with it: surfaces, temperatures, gauges of
+    /// surfaces, and all curves, which may show them.
+    #[must_use]
+    pub fn without_heat(&self) -> Loaded {
+        let mut without = self.clone();
+        let case = &mut without.case;
+        if case.model == Model::TBPM {
+            case.model = Model::BPM;
+        }
+        (case.heat, case.surface, case.curve) = (None, Vec::new(), Vec::new());
+        case.wall.iter_mut().for_each(|wall| wall.temperature = None);
+        case.boxes.iter_mut().for_each(|of| of.temperature = None);
+        case.particles.iter_mut().for_each(|group| group.temperature = None);
+        case.gauge.retain(|gauge| gauge.surface.is_none());
+        without
     }
 
     /// Path of a file that the case names.

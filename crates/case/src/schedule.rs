@@ -1,5 +1,7 @@
 //! How long a run lasts and when it writes.
 
+use crate::load::Loaded;
+use crate::problem::{Problem, number};
 use crate::schema::{Case, Output, Positive, Precision};
 use tdem_engine::Schedule;
 
@@ -40,6 +42,17 @@ pub(crate) fn schedule(case: &Case, dt: f64) -> Schedule {
         checkpoint_every: output.checkpoint_interval.map(|interval| every(interval.get())),
         checkpoint_interval_secs: output.checkpoint_interval_secs.get(),
     }
+}
+
+/// A run of so many steps that they cannot be counted one by one in a real number.
+pub(crate) fn endless(loaded: &Loaded, dt: f64) -> Option<Problem> {
+    const MOST: f64 = (1_u64 << 53) as f64;
+    let steps = loaded.case.time.end.get() / dt;
+    (steps > MOST).then(|| {
+        Problem::error("tdem::case::endless", format!("the run would take {} steps of {} s", number(steps), number(dt)))
+            .at(loaded.tree.place(&["time", "end"]), "too long for steps like these")
+            .help("`tdem check` tells what limits the step once the run is shorter; a time scale of heat may be too large")
+    })
 }
 
 impl Fields {

@@ -175,3 +175,30 @@ fn the_step_is_limited_by_conduction() {
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     assert!((find("the heat of one particle").expect("it does") / (2.0 * expected) - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_case_has_the_same_bonds_without_heat() {
+    let tail = "temperature = 30.0\n[[surface]]\nname = \"top\"\nface = \"+z\"\ntemperature = 900.0\n\
+                [[gauge]]\nname = \"top\"\nsurface = \"top\"\n[[curve]]\nname = \"top\"\nx = \"heat_time\"\ny = \"top_temperature\"\n";
+    let (particles, rest) = tail.split_once('\n').expect("two lines");
+    let text = format!("{HEAD}{particles}\n{HEAT}{rest}");
+    let loaded = parse("case.toml", &text, Path::new("."), &[]).expect("the text is right");
+    let without = loaded.without_heat();
+    let again = parse("again.toml", &without.effective_toml(), Path::new("."), &[]).expect("and so is the rest");
+    let (warm, cold) = (loaded.build().expect("it can be built"), again.build().expect("it can be built"));
+    assert!(warm.plan.heat.is_some() && cold.plan.heat.is_none() && cold.plan.gauges.is_empty());
+    assert_eq!((warm.state.bonds, warm.state.position), (cold.state.bonds, cold.state.position));
+    assert!(cold.state.temperature.is_empty());
+}
+
+#[test]
+fn who_is_held_at_a_temperature_limits_no_step() {
+    let find = |tail: &str| {
+        let built = build(&format!("{HEAT}[[surface]]\nface = \"+z\"\n{tail}temperature = 900.0\n"));
+        let limits = built.limits.limits;
+        limits.into_iter().find(|limit| limit.name == "conduction of heat").map(|limit| limit.seconds)
+    };
+    // Behind a face at a temperature layers have twice the conductance of those within; held themselves they have none.
+    let [behind, held] = ["", "depth = 0.0\n"].map(|tail| find(tail).expect("the heat limits the step"));
+    assert!(held > 1.2 * behind, "{held} {behind}");
+}

@@ -10,8 +10,9 @@ use crate::render::{Report, Reports};
 use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use tdem_case::Loaded;
 use tdem_engine::cpu;
 use tdem_studies::bench::{Measurement, Phase};
 
@@ -21,6 +22,7 @@ Examples:
   tdem bench case cases/packing.toml --set size=3m --device cuda --models GN,GNT,GNTM
   tdem bench case cases/packing.toml --set size=83k --device cpu,opencl --steps 100 --kernels
   tdem bench case cases/packing.toml --set size=3m --device cuda --paper
+  tdem bench case cases/heating.toml --set size=3m --device cuda --models TBPM,BPM
 
 Whole steps are measured: contacts, walls, motion, and search as often as it is due; nothing is written, and no ledger is
 kept unless it is asked for. Hashes are those of the final states: the same on every device.
@@ -40,7 +42,7 @@ pub(crate) struct Arguments {
     /// Devices, separated by commas: auto, cpu, opencl, cuda, cuda:1
     #[arg(long, value_delimiter = ',', default_value = "auto")]
     device: Vec<Choice>,
-    /// Models, separated by commas, instead of the case's
+    /// Models, separated by commas, instead of the case's; BPM of a case with heat is the same without it
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',')]
     models: Vec<String>,
     /// Threads of the CPU [default: all cores]
@@ -79,6 +81,19 @@ struct Row {
     measured: Measurement,
 }
 
+/// The case with another model, if one is wanted; BPM of a case with heat is the same without it.
+fn of_model(case: &Path, mut set: Vec<(String, String)>, model: Option<&String>) -> Result<Loaded, Reports> {
+    let Some(model) = model else { return load(case, &set) };
+    if model == "BPM" {
+        let given = load(case, &set)?;
+        if given.case.heat.is_some() {
+            return Ok(given.without_heat());
+        }
+    }
+    set.push(("model".to_owned(), model.clone()));
+    load(case, &set)
+}
+
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if let Some(path) = &arguments.json {
         files::try_to_write(path)?;
@@ -93,11 +108,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let mut rows = Vec::new();
     for model in models {
         let mut set = arguments.set.clone();
-        set.extend(model.map(|model| ("model".to_owned(), model.clone())));
         if arguments.paper {
             set.push(("time.integrator".to_owned(), "gear".to_owned()));
         }
-        let loaded = load(&arguments.case, &set)?;
+        let loaded = of_model(&arguments.case, set, model)?;
         let built = build(&loaded)?;
         let model = format!("{:?}", loaded.case.model);
         for choice in &arguments.device {

@@ -163,11 +163,13 @@ impl Surface {
         let Some((i, heat)) = found else { return [0.0; 2] };
         let (temperature, exposure) = (state.temperature[i], usize::from(state.exposure[i]));
         let Some(part) = self.parts.get(exposure).and_then(Option::as_ref) else { return [temperature, 0.0] };
-        if part.exchanges.is_empty() {
-            return [temperature, -state.heat_rate[i]];
+        let of = &heat.exposures[exposure];
+        if of.temperature.is_some() {
+            // Who is held exchanges nothing else.
+            return [temperature, if part.exchanges.is_empty() { -state.heat_rate[i] } else { 0.0 }];
         }
         let now = plan.heat_time(state.step);
-        let exchanges = &heat.exposures[exposure].exchanges[part.exchanges.clone()];
+        let exchanges = &of.exchanges[part.exchanges.clone()];
         let rate = exchanges
             .iter()
             .fold(0.0, |sum, (exchange, outside)| sum + exchange.heat_rate(temperature, outside.value(now)));

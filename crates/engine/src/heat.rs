@@ -3,6 +3,7 @@
 use crate::plan::{Piece, pieces, value_at};
 use crate::{Fault, Motion, Plan, State};
 use tdem_physics::bond;
+use tdem_physics::heat::warming::grown;
 use tdem_physics::heat::{Conductor, Exchange, Link, Path};
 
 /// What a plan says of heat.
@@ -175,6 +176,19 @@ impl State {
     #[must_use]
     pub fn bonded_radius(&self, index: usize) -> f64 {
         self.reference_radius.get(index).map_or(self.radius[index], |&radius| radius)
+    }
+
+    /// Lets radii follow temperatures, from those at the reference temperature. By how much one shrank at most, m.
+    pub fn follow_temperatures(&mut self, plan: &Plan) -> f64 {
+        let Some(heat) = plan.heat.as_ref().filter(|heat| heat.expands()) else { return 0.0 };
+        let mut shrunk = 0.0_f64;
+        for i in 0..self.len() {
+            let warmth = self.temperature[i] - heat.reference_temperature;
+            let radius = grown(self.reference_radius[i], heat.expansion(self.material[i]), warmth);
+            shrunk = shrunk.max(self.radius[i] - radius);
+            self.radius[i] = radius;
+        }
+        shrunk
     }
 
     /// What a bond is to heat, from indices of particles; `None` without heat.

@@ -5,6 +5,7 @@ use super::draft::Spheres;
 use crate::problem::Problem;
 use crate::schema::{Csv, Particles};
 use crate::structure::{listed, suggestion};
+use crate::table;
 
 /// Columns that a table may have; the first four it must have.
 const COLUMNS: [&str; 12] = ["x", "y", "z", "radius", "vx", "vy", "vz", "wx", "wy", "wz", "id", "material"];
@@ -65,11 +66,7 @@ struct Table<'n> {
 
 impl Table<'_> {
     fn read(&self, text: &str) -> Result<Spheres, Vec<Fault>> {
-        let mut lines = text
-            .lines()
-            .enumerate()
-            .map(|(k, line)| (k + 1, line.trim()))
-            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let mut lines = table::lines(text);
         let Some((header_line, header)) = lines.next() else {
             return Err(vec![Fault {
                 code: "tdem::case::csv-empty",
@@ -88,8 +85,7 @@ impl Table<'_> {
                 faults.push(fault);
             }
         }
-        if !text.ends_with('\n') {
-            // A number that was cut in the middle still reads as a number.
+        if table::is_cut_off(text) {
             faults.push(Fault {
                 code: "tdem::case::csv-truncated",
                 line: last,

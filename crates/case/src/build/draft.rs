@@ -7,7 +7,6 @@ use crate::schema::Particles;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 use tdem_engine::physics::Vec3;
-use tdem_engine::physics::heat::warming::grown;
 use tdem_engine::{Bond, BondHistory, BondPlan, Contact, Domain, Plan, State};
 
 /// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
@@ -230,10 +229,7 @@ fn heat(state: &mut State, plan: &Plan) {
     }
     if heat.expands() {
         state.reference_radius = state.radius.clone();
-        for (k, radius) in state.radius.iter_mut().enumerate() {
-            let warmth = state.temperature[k] - heat.reference_temperature;
-            *radius = grown(*radius, heat.expansion(state.material[k]), warmth);
-        }
+        state.follow_temperatures(plan);
     }
 }
 

@@ -21,7 +21,7 @@ use crate::limits::{Fastest, Found, StepLimits};
 use crate::load::Loaded;
 use crate::materials::{Materials, law};
 use crate::problem::{Problem, Problems, unless_error};
-use crate::schedule::{Fields, schedule};
+use crate::schedule::{Fields, endless, schedule};
 use crate::schema::{self, Particles, Precision, Region};
 use crate::walls::{Plane, planes};
 use bonds::Bonded;
@@ -181,6 +181,7 @@ impl Loaded {
         plan.gauges = gauges;
         problems.extend(coincident);
         problems.extend(heat::quasi_static::check(&context, &plan, &state));
+        problems.extend(endless(self, plan.dt));
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
         let memory = Memory::of(&state, &plan, (schedule.frame_every > 0).then_some(fields));

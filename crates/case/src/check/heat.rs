@@ -2,8 +2,12 @@
 
 use super::Checker;
 use crate::materials::RIGID;
-use crate::problem::Problem;
+use crate::problem::{Problem, number};
 use crate::schema::{BarRadius, BondForm, ContactPath, Course, Heat, Model, Motion, Scheme, Surface};
+use crate::walls::FACES;
+
+/// The law of expansion is one of small strains.
+const LARGEST_STRAIN: f64 = 0.1;
 
 impl Checker<'_> {
     pub(super) fn heat(&mut self) {
@@ -17,12 +21,9 @@ impl Checker<'_> {
                     .help("write model = \"TBPM\", which is BPM with heat, or remove [heat]"),
             );
         }
-        for key in ["initial_temperature", "reference_temperature"] {
-            let value =
-                if key == "initial_temperature" { Some(heat.initial_temperature) } else { heat.reference_temperature };
-            if let Some(value) = value {
-                self.temperature(heat, value, &["heat", key]);
-            }
+        self.temperature(heat, heat.initial_temperature, &["heat", "initial_temperature"]);
+        if let Some(reference) = heat.reference_temperature {
+            self.temperature(heat, reference, &["heat", "reference_temperature"]);
         }
         if heat.time_scale.is_some() && heat.duration.is_some() {
             self.exclusive(&["heat"], "time_scale", "duration");
@@ -50,7 +51,7 @@ impl Checker<'_> {
                 self.temperature(heat, temperature, &["particles", &k.to_string(), "temperature"]);
             }
         }
-        self.thermal_materials();
+        self.thermal_materials(heat);
         self.warm_walls(heat);
     }
 
@@ -145,8 +146,41 @@ impl Checker<'_> {
         }
     }
 
+    /// All temperatures that the case names, on its scale.
+    fn named_temperatures(&self, heat: &Heat) -> Vec<f64> {
+        let walls = self.case.wall.iter().flat_map(|wall| &wall.temperature);
+        let boxes = self.case.boxes.iter().flat_map(|of| &of.temperature);
+        let surfaces = self.case.surface.iter().flat_map(|surface| {
+            let convection = surface.convection.iter().map(|convection| &convection.temperature);
+            let radiation = surface.radiation.iter().map(|radiation| &radiation.temperature);
+            surface.temperature.iter().chain(convection).chain(radiation)
+        });
+        let courses = walls.chain(boxes).chain(surfaces).flat_map(Course::points).map(|point| point[1]);
+        let groups = self.case.particles.iter().filter_map(|group| group.temperature);
+        courses.chain(groups).chain([heat.initial_temperature]).collect()
+    }
+
+    /// Lengths that change by a good part: the law is one of small strains, and far beyond it radii vanish.
+    fn expansion(&mut self, heat: &Heat, name: &str, expansion: f64) {
+        let reference = heat.reference_temperature.unwrap_or(heat.initial_temperature);
+        let warmth =
+            self.named_temperatures(heat).into_iter().fold(0.0, |most: f64, t| most.max((t - reference).abs()));
+        let strain = expansion * warmth;
+        if strain.abs() > LARGEST_STRAIN {
+            let place = self.place(&["material", name, "thermal_expansion"]);
+            self.push(
+                Problem::error(
+                    "tdem::case::large-expansion",
+                    format!("`{name}` would change its length by {} of it over {warmth} K", number(strain)),
+                )
+                .at(place, format!("at most {} 1/K", number(LARGEST_STRAIN / warmth)))
+                .help("solids have some 1e-6 to 1e-4 1/K"),
+            );
+        }
+    }
+
     /// Heat needs three values of every material.
-    fn thermal_materials(&mut self) {
+    fn thermal_materials(&mut self, heat: &Heat) {
         for (name, material) in &self.case.material {
             let given = [
                 ("thermal_conductivity", material.thermal_conductivity.is_some(), "W/(m K)"),
@@ -161,6 +195,9 @@ impl Checker<'_> {
                         .at(cause, "the case has heat")
                         .help(format!("add {key} = ... in {unit}")),
                 );
+            }
+            if let Some(expansion) = material.thermal_expansion {
+                self.expansion(heat, name, expansion);
             }
             let expands = material.thermal_expansion.is_some_and(|expansion| expansion != 0.0);
             if expands && self.case.bonds.form != BondForm::Total && self.case.model.bonds() {
@@ -221,6 +258,17 @@ impl Checker<'_> {
     fn surface(&mut self, heat: &Heat, surface: &Surface, index: &str) {
         if let Some(of) = &surface.of {
             self.watched(of, &["surface", index, "of"]);
+        }
+        let across = surface.face.and_then(|face| FACES.iter().find(|known| known.0 == face)).map(|&(_, axis, _)| axis);
+        if across.is_some_and(|axis| self.case.domain.periodic[axis]) {
+            let [place, cause] =
+                [&["surface", index, "face"][..], &["domain", "periodic"]].map(|path| self.place(path));
+            self.push(
+                Problem::error("tdem::case::surface-across-period", "there is no face in a direction that repeats")
+                    .at(place, "no face")
+                    .at(cause, "repeats")
+                    .help("choose another face, or do not let this direction repeat"),
+            );
         }
         let acts = [
             ("temperature", surface.temperature.is_some()),

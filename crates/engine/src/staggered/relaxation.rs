@@ -5,7 +5,6 @@ use crate::ledger::{Imbalance, sum};
 use crate::{Exposure, Fault, HeatPlan, Motion, Plan, Relaxation, State};
 use std::sync::Arc;
 use tdem_physics::heat::Path;
-use tdem_physics::heat::warming::grown;
 
 /// How much warmer bonds are thought to become to say which forces are small, K.
 const WARMTH: f64 = 1.0;
@@ -43,7 +42,7 @@ impl Staggered {
         let begun = self.state.step;
         let mut state = std::mem::take(&mut self.state);
         let (temperature, heat_accounts) = (state.temperature.clone(), std::mem::take(&mut state.heat_accounts));
-        let shrunk = grow(&mut state, &plan);
+        let shrunk = state.follow_temperatures(&plan);
         // Pairs that touched are listed although they have shrunk: the contact stage closes their histories.
         plan.search.skin = plan.search.skin.max(2.001 * shrunk);
         let pool = Arc::clone(&self.pool);
@@ -84,19 +83,6 @@ impl Staggered {
         (self.state.temperature, self.state.heat_accounts) = (temperature, heat_accounts);
         Ok(true)
     }
-}
-
-/// Lets radii follow temperatures. By how much a radius shrank at most, m.
-fn grow(state: &mut State, plan: &Plan) -> f64 {
-    let Some(heat) = plan.heat.as_ref().filter(|heat| heat.expands()) else { return 0.0 };
-    let mut shrunk = 0.0_f64;
-    for i in 0..state.len() {
-        let warmth = state.temperature[i] - heat.reference_temperature;
-        let radius = grown(state.reference_radius[i], heat.expansion(state.material[i]), warmth);
-        shrunk = shrunk.max(state.radius[i] - radius);
-        state.radius[i] = radius;
-    }
-    shrunk
 }
 
 /// What bonds would bear, in the mean, if they were held and became a little warmer, N; 0 without bonds.

@@ -74,7 +74,9 @@ impl<R: Real> Exchange<R> {
 /// $G = A/(d/\lambda + 1/h_c)$, W/K. An infinite $h_c$ holds the surface at the outside temperature.
 #[must_use]
 pub fn surface_conductance(area: f64, depth: f64, conductivity: f64, film: f64) -> f64 {
-    area / (depth / conductivity + 1.0 / film)
+    // Without depth nothing lies between, whether it would conduct or not.
+    let material = if depth > 0.0 { depth / conductivity } else { 0.0 };
+    area / (material + 1.0 / film)
 }
 
 #[cfg(test)]
@@ -115,5 +117,7 @@ mod tests {
         let film = surface_conductance(0.04, 0.0, 1.5, 10.0);
         assert!((Exchange { conductance: film, ..NONE }.heat_rate(313.15, 293.15) + 8.0).abs() < 1e-12);
         assert!((surface_conductance(0.04, 0.01, 1.5, f64::INFINITY) - 6.0).abs() < 1e-12);
+        assert_eq!(surface_conductance(0.04, 0.0, 0.0, 10.0), film);
+        assert_eq!(surface_conductance(0.04, 0.01, 0.0, 10.0), 0.0);
     }
 }

@@ -5,6 +5,7 @@ use super::super::draft::Draft;
 use super::Given;
 use crate::problem::Problem;
 use crate::schema::RunBonds;
+use crate::table;
 use std::collections::{BTreeMap, HashMap};
 
 /// Problems of one file that are shown.
@@ -29,11 +30,7 @@ pub(super) fn read(
     })?;
     let state = &draft.state;
     let index_of: HashMap<u32, u32> = state.id.iter().zip(0..).map(|(&id, index)| (id, index)).collect();
-    let mut lines = text
-        .lines()
-        .zip(1..)
-        .map(|(line, number)| (number, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let mut lines = table::lines(&text);
     let header = lines.next().map_or("", |(_, header)| header);
     if header.split(',').map(str::trim).ne(["first", "second"]) {
         let help = "the first line is first,second; each row after it holds the ids of two particles";
@@ -91,7 +88,7 @@ pub(super) fn read(
         }
         pairs.push([first, second]);
     }
-    if !text.ends_with('\n') {
+    if table::is_cut_off(&text) {
         let message = format!("{name} does not end with a line break: its last line may be cut off");
         problems.push(problem("tdem::case::csv-truncated", message, "write the file again"));
     }

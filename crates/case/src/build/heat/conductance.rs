@@ -2,8 +2,11 @@
 
 use super::super::bonds::Bonded;
 use rayon::prelude::*;
-use tdem_engine::physics::heat::conduction::{bar, circle};
+use tdem_engine::physics::contact::touch_spheres;
+use tdem_engine::physics::heat::conduction::{bar, between_spheres};
+use tdem_engine::physics::heat::warming::longest_step;
 use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::physics::vec3;
 use tdem_engine::{Domain, HeatPlan, State};
 
 /// Others that a particle may touch.
@@ -23,6 +26,8 @@ pub(crate) struct Warming {
 }
 
 impl Warming {
+    const NONE: Warming = Warming { safe_step: f64::INFINITY, certain_step: f64::INFINITY, particle: usize::MAX };
+
     /// The smallest over all particles; `plan` is the heat of the plan that they will follow.
     pub(in crate::build) fn of(plan: &HeatPlan, bonded: Option<&Bonded>, domain: &Domain, state: &State) -> Warming {
         let mut conductance = vec![0.0; state.len()];
@@ -45,10 +50,15 @@ impl Warming {
                 let certain = conductance[k] + surface(plan, state.exposure[k]);
                 let contact = touching(plan.contacts, plan.conductor(material, material), state.radius[k]);
                 let all = certain + (CONTACTS - bonds[k]).max(0.0) * contact;
-                Warming { safe_step: capacity / all, certain_step: 2.0 * capacity / certain, particle: k }
+                // What is held at a temperature has no limit of its own.
+                if plan.exposures[usize::from(state.exposure[k])].temperature.is_some() {
+                    return Warming::NONE;
+                }
+                let (safe_step, certain_step) = (longest_step(capacity, all), 2.0 * longest_step(capacity, certain));
+                Warming { safe_step, certain_step, particle: k }
             })
             .reduce(
-                || Warming { safe_step: f64::INFINITY, certain_step: f64::INFINITY, particle: usize::MAX },
+                || Warming::NONE,
                 |a, b| {
                     let first = (b.safe_step, b.particle) < (a.safe_step, a.particle);
                     let (safe_step, particle) =
@@ -61,19 +71,16 @@ impl Warming {
 
 /// Conductance of a contact of two alike, W/K: an estimate.
 fn touching(path: Path, conductor: &Conductor<f64>, radius: f64) -> f64 {
-    match path {
-        Path::Closed => 0.0,
-        Path::Bar => bar(conductor, 2.0 * radius, 2.0 * radius),
-        Path::Circle => circle(conductor.conductivity, 0.5 * radius, OVERLAP * radius),
-    }
+    let touch = touch_spheres(vec3((2.0 - OVERLAP) * radius, 0.0, 0.0), 2.0 * radius);
+    between_spheres(path, conductor, radius, radius, &touch)
 }
 
-/// What surfaces conduct, W/K; radiation at its hottest. A particle that is held at a temperature has no limit of its own.
+/// What surfaces conduct, W/K; radiation at its hottest.
 fn surface(plan: &HeatPlan, exposure: u16) -> f64 {
     let of = &plan.exposures[usize::from(exposure)];
     let each = of.exchanges.iter().map(|(exchange, outside)| {
         let hottest = outside.0.iter().map(|point| point[1]).fold(plan.reference_temperature, f64::max);
-        exchange.conductance + 4.0 * exchange.radiation * (hottest * hottest * hottest)
+        exchange.sensitivity(hottest, hottest)
     });
     each.sum()
 }

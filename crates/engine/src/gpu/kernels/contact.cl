@@ -253,16 +253,7 @@ kernel contact
             const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), QUAD(0.0, 0.0, 0.0, 0.0));
 #endif
             Heated heated;
-            heated.temperature = temperature;
-            heated.reference_radius = reference_radius;
-            heated.thermals = thermals;
-            heated.conductors = conductors;
-            heated.links = links;
-            heated.exposure = exposure;
-            heated.exposures = exposures;
-            heated.exchanges = exchanges;
-            heated.pieces = pieces;
-            heated.bond_other = bond_other;
+            LOOK_UP(heated);
             Heat heat = heat_at(i, heated);
             Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if LEDGER

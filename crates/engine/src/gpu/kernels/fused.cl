@@ -21,16 +21,7 @@ kernel fused
 #endif
                 const Constraint held = HELD(mine, step.time);
                 Heated heated;
-                heated.temperature = temperature;
-                heated.reference_radius = reference_radius;
-                heated.thermals = thermals;
-                heated.conductors = conductors;
-                heated.links = links;
-                heated.exposure = exposure;
-                heated.exposures = exposures;
-                heated.exchanges = exchanges;
-                heated.pieces = pieces;
-                heated.bond_other = bond_other;
+                LOOK_UP(heated);
                 Heat heat = heat_at(i, heated);
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS

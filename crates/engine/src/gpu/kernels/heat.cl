@@ -16,6 +16,19 @@ typedef struct {
     GLOBAL const u32 *bond_other;
 } Heated;
 
+// From the parameters of a kernel that evaluates contacts, bonds and surfaces.
+#define LOOK_UP(heated)                          \
+    heated.temperature = temperature;            \
+    heated.reference_radius = reference_radius;  \
+    heated.thermals = thermals;                  \
+    heated.conductors = conductors;              \
+    heated.links = links;                        \
+    heated.exposure = exposure;                  \
+    heated.exposures = exposures;                \
+    heated.exchanges = exchanges;                \
+    heated.pieces = pieces;                      \
+    heated.bond_other = bond_other
+
 // The temperature of a particle and its heat rate, as far as it is summed.
 typedef struct {
     real temperature;
