@@ -9,6 +9,7 @@ mod heat;
 mod kernel_cache;
 mod layout;
 mod memory;
+mod network;
 mod opencl;
 mod pool;
 mod profile;
@@ -28,8 +29,11 @@ pub use runtime::Error;
 /// What precedes the source of every kernel: the dialect, for both compilers.
 const PRELUDE: &str = include_str!("gpu/kernels/prelude.cl");
 
+use crate::network::Field;
 use crate::step::Backend;
-use crate::{Capture, Fault, Plan, Profile, State};
+use crate::{Capture, Fault, HeatPlan, Plan, Profile, State};
+use network::Conducting;
+use program::Program;
 use run::Gpu;
 use runtime::Runtime;
 
@@ -54,6 +58,20 @@ pub(crate) fn open(api: Api, index: usize, state: State, plan: &Plan) -> Result<
     Ok(match api {
         Api::OpenCl => Box::new(Gpu::new(devices::open_opencl(index)?, state, plan)?),
         Api::Cuda => Box::new(Gpu::new(devices::open_cuda(index)?, state, plan)?),
+    })
+}
+
+/// Room on a device for the temperatures of a validated state whose heat advances by itself.
+pub(crate) fn open_field(
+    api: Api,
+    index: usize,
+    state: &State,
+    plan: &Plan,
+    heat: &HeatPlan,
+) -> Result<Box<dyn Field>, Fault> {
+    Ok(match api {
+        Api::OpenCl => Box::new(Conducting::new(devices::open_opencl(index)?, state, plan, heat)?),
+        Api::Cuda => Box::new(Conducting::new(devices::open_cuda(index)?, state, plan, heat)?),
     })
 }
 

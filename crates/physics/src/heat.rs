@@ -15,11 +15,13 @@
 //! * [`conduction`] what goes through a contact or a bond
 //! * [`surface`] what goes through the surface of a group: flux, convection, radiation
 //! * [`warming`] how temperature and radius follow
+//! * [`implicit`] the equation of a body in an implicit step
 //!
 //! # References
 //! Pacevič & Kačeniauskas (2022), eqs. 4 to 7; Rojek (2014), where the bar between two particles comes from.
 
 pub mod conduction;
+pub mod implicit;
 pub mod surface;
 pub mod warming;
 

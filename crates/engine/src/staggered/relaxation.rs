@@ -41,7 +41,7 @@ impl Staggered {
         let mut plan = without_heat(&self.plan);
         let begun = self.state.step;
         let mut state = std::mem::take(&mut self.state);
-        let (temperature, heat_accounts) = (state.temperature.clone(), std::mem::take(&mut state.heat_accounts));
+        state.temperature = self.field.temperatures()?;
         let shrunk = state.follow_temperatures(&plan);
         // Pairs that touched are listed although they have shrunk: the contact stage closes their histories.
         plan.search.skin = plan.search.skin.max(2.001 * shrunk);
@@ -80,7 +80,8 @@ impl Staggered {
             breakage.step = breakage.step.min(begun + 1);
         }
         self.state.step = begun;
-        (self.state.temperature, self.state.heat_accounts) = (temperature, heat_accounts);
+        // They lie where heat flows, and stayed as they were.
+        (self.state.temperature, self.state.heat_accounts) = (Vec::new(), Vec::new());
         Ok(true)
     }
 }
