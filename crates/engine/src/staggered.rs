@@ -5,6 +5,8 @@
 
 mod relaxation;
 
+pub(crate) use relaxation::without_heat;
+
 use crate::network::{Field, Network, Processor, Span, Stuck, Surroundings};
 use crate::step::Backend;
 use crate::{Capture, Device, Fault, HeatPlan, Plan, Profile, Scheme, State, cpu, gpu};
@@ -56,7 +58,7 @@ impl Staggered {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|_| Fault::Threads { threads })?;
         let pool = Arc::new(pool);
         let fresh = !state.forces_known;
-        let mut motion = device.open(state, &relaxation::without_heat(plan))?;
+        let mut motion = device.open(state, &without_heat(plan))?;
         if fresh {
             motion.prepare()?;
         }

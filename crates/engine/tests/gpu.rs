@@ -444,6 +444,31 @@ fn heat_takes_the_memory_that_is_foretold() {
     assert_eq!(foretold(&warm_plan) - foretold(&cold_plan), n * each);
 }
 
+#[test]
+fn heat_alone_takes_the_memory_that_is_foretold() {
+    let (state, plan) = still_lattice();
+    let n = state.len();
+    for (scheme, ledger) in [(Scheme::Explicit, false), (Scheme::Implicit, true)] {
+        let plan = Plan { ledger, ..frozen(&plan, scheme, 1.0) };
+        assert!(tdem_engine::gpu::source(&state, &plan).contains("\nDEVICE void implicit_balance("));
+        let mut simulation = Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound");
+        let end = simulation.state().expect("the device answers");
+        let accounts = if ledger { 2 * 8 * n } else { 0 };
+        let entries = 2 * (end.contacts.len() + end.bonds.len()) + end.wall_contacts.len();
+        // The same run on the processor: temperature, two rates, capacity, exposure, accounts, rows of three kinds.
+        let on_host = n * (4 * 8 + 2) + accounts + 3 * 8 * (n + 1) + entries * 12;
+        let host = Simulation::new(state.clone(), plan.clone(), cpu()).expect("the scene is sound").bytes() - on_host;
+        // The host keeps the accounts that it was given.
+        let held = simulation.bytes() - host - accounts;
+        // Temperature, two rates, capacity, exposure, three ends of rows; accounts; seven vectors of a system.
+        let system = if scheme == Scheme::Implicit { 7 * 8 * n } else { 0 };
+        let least = n * (4 * 8 + 4 * 4) + accounts + system + entries * 12;
+        // Rows side by side are as long as the longest.
+        assert!(held > least && (held as f64) < 1.25 * least as f64, "{held}, not {least}");
+        assert!(tdem_engine::gpu::bytes(&plan, n, 7 * n, 0) >= least);
+    }
+}
+
 /// Spheres at rest, too far apart to be listed, of which some grow to more than twice their size.
 #[test]
 fn spheres_that_grow_meet_those_that_were_not_listed() {

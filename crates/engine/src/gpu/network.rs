@@ -47,7 +47,8 @@ pub(super) struct Conducting<R: Runtime> {
     around: Buffer<f64, R::Memory>,
     /// K, `(N)`.
     temperature: Buffer<f64, R::Memory>,
-    /// Heat rates, W, `(N)`: all together, and from walls and through surfaces.
+    /// Heat rates, W, `(N)`: all together, and from walls and through surfaces. While a solution is sought, `total` holds what
+    /// the matrix makes of the present way.
     total: Buffer<f64, R::Memory>,
     foreign: Buffer<f64, R::Memory>,
     /// What was booked, J, `(N)`; empty without ledger.
@@ -95,7 +96,6 @@ struct System<M> {
     residual: Buffer<f64, M>,
     change: Buffer<f64, M>,
     way: Buffer<f64, M>,
-    product: Buffer<f64, M>,
 }
 
 impl<R: Runtime> Conducting<R> {
@@ -163,7 +163,7 @@ impl<R: Runtime> Conducting<R> {
                 surfaces: &self.surfaces,
                 held: &system.held,
                 way: &system.way,
-                product: &system.product,
+                product: &self.total,
                 partial: &self.partial,
             },
             self.chunks(),
@@ -231,7 +231,7 @@ impl<R: Runtime> Conducting<R> {
                 conduction,
                 scalars,
                 way: &system.way,
-                product: &system.product,
+                product: &self.total,
                 diagonal: &system.diagonal,
                 capacity: &self.capacity,
                 change: &system.change,
@@ -459,6 +459,9 @@ impl<M> Rows<M> {
     }
 }
 
+/// Vectors of a system.
+const SYSTEM: usize = 7;
+
 impl<M> System<M> {
     fn new<R: Runtime<Memory = M>>(queue: &Queue<R, Alone>, n: usize) -> Result<Self, Error> {
         Ok(System {
@@ -469,9 +472,17 @@ impl<M> System<M> {
             residual: queue.buffer(n)?,
             change: queue.buffer(n)?,
             way: queue.buffer(n)?,
-            product: queue.buffer(n)?,
         })
     }
+}
+
+/// Bytes per particle, and per particle at either end of what conducts.
+pub(super) fn bytes_each(plan: &Plan, heat: &HeatPlan) -> [usize; 2] {
+    let (word, real) = (size_of::<u32>(), size_of::<f64>());
+    let accounts = if plan.ledger { 2 * real } else { 0 };
+    let system = if heat.motion.scheme() == Some(Scheme::Implicit) { SYSTEM * real } else { 0 };
+    // Exposure and ends of rows; temperature, heat rates, capacity.
+    [4 * word + 4 * real + accounts + system, word + real]
 }
 
 /// Exposures as kernels are told them, and their exchanges one behind the other.

@@ -11,7 +11,7 @@ const WARMTH: f64 = 1.0;
 
 /// A plan of the motion alone: temperatures are there, because bodies expand, but no heat flows. Where nothing moves a step
 /// takes no time.
-pub(super) fn without_heat(plan: &Plan) -> Plan {
+pub(crate) fn without_heat(plan: &Plan) -> Plan {
     let still = |heat: &HeatPlan| HeatPlan {
         time_scale: 0.0,
         contacts: Path::Closed,
