@@ -28,10 +28,8 @@ impl Matrix<'_> {
     /// What it makes of a vector that is zero where temperatures are prescribed.
     fn times(&self, vector: &[f64], product: &mut [f64]) {
         product.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(i, product)| {
-            *product = match self.free[i] {
-                true => balance(self.held[i], vector[i], self.network.conducted(i, vector)),
-                false => 0.0,
-            };
+            let free = self.free[i];
+            *product = if free { balance(self.held[i], vector[i], self.network.conducted(i, vector)) } else { 0.0 };
         });
     }
 }
@@ -41,10 +39,10 @@ impl Network {
     /// them. Temperatures that follow these rates keep the balance of heat to rounding.
     ///
     /// # Errors
-    /// The temperatures $T_n + \Delta t\,Q/C$ that follow from the rates differ from the solution by
+    /// The temperatures $T_n + \Delta t\,Q/C$ that follow from the rates differ from those of the last iteration by
     /// $\epsilon_i = \Delta t\,r_i/C_i$ with the residual $r$. Iterations end where
-    /// $\sum C\epsilon^2 \le (10^{-12})^2\sum CT^2$: at 300 K, 3e-10 K in the mean. What the solution itself lacks is less,
-    /// by the same norm. Rounding adds about $10^{-16}\,T\,\Delta t\sum H/C$.
+    /// $\sum C\epsilon^2 \le (10^{-12})^2\sum CT^2$: at 300 K, 3e-10 K in the mean. The exact solution lies between: no
+    /// farther from either, by the same norm. Rounding adds about $10^{-16}\,T\,\Delta t\sum H/C$.
     pub(crate) fn implicit(
         &self,
         temperature: &[f64],
