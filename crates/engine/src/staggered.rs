@@ -9,7 +9,7 @@ pub(crate) use relaxation::without_heat;
 
 use crate::network::{Field, Network, Processor, Span, Stuck, Surroundings};
 use crate::step::Backend;
-use crate::{Capture, Device, Fault, HeatPlan, Plan, Profile, Scheme, State, cpu, gpu};
+use crate::{Capture, Device, Fault, HeatPlan, Motion, Plan, Profile, Scheme, State, cpu, gpu};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,7 +34,7 @@ pub(crate) struct Staggered {
     device: Device,
     plan: Arc<Plan>,
     pool: Arc<ThreadPool>,
-    /// Of the end of the last step, without what `field` holds.
+    /// Of the end of the last step, without what `field` holds; where particles move, with the temperatures they move under.
     state: State,
     /// Temperatures and heat accounts, and heat rates: those with which the step that follows begins; in the implicit scheme
     /// those of the present moment.
@@ -43,6 +43,8 @@ pub(crate) struct Staggered {
     parts: u64,
     turns: Turns,
     searches: u64,
+    /// By how much a radius shrank at most in this step of the heat, m.
+    shrunk: f64,
     /// Bytes that the motion held in its last turn.
     motion_bytes: usize,
 }
@@ -62,11 +64,14 @@ impl Staggered {
         if fresh {
             motion.prepare()?;
         }
-        let (mut state, searches) = (motion.capture()?.state()?, motion.searches());
+        let (mut state, searches) = (relaxation::at_rest(motion.capture()?.state()?), motion.searches());
         // The device may have no room for both.
         drop(motion);
         let mut field = open_field(device, &state, plan, &pool)?;
-        field.take(&mut state)?;
+        field.take_up(&state.temperature, std::mem::take(&mut state.heat_accounts))?;
+        if matches!(plan.heat.as_ref().map(|heat| heat.motion), Some(Motion::Frozen(_))) {
+            state.temperature = Vec::new();
+        }
         let mut staggered = Staggered {
             device,
             plan: Arc::new(plan.clone()),
@@ -76,6 +81,7 @@ impl Staggered {
             parts: 1,
             turns: Turns::default(),
             searches,
+            shrunk: 0.0,
             motion_bytes: 0,
         };
         staggered.link()?;
@@ -154,7 +160,11 @@ impl Staggered {
     /// One step of the simulation.
     fn step(&mut self) -> Result<(), Fault> {
         let pool = Arc::clone(&self.pool);
-        pool.install(|| self.heat())?;
+        pool.install(|| {
+            let before = self.elastic_energy();
+            self.heat()?;
+            self.expand(before)
+        })?;
         if self.relax()? {
             self.state.step += 1;
             self.link()

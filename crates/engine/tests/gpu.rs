@@ -6,8 +6,8 @@ mod common;
 
 use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
 use common::heated::{
-    EXPANSION, NONE, REFERENCE, constant, frozen, heat_of, heated, heated_block, held_chain, in_turns, still_lattice,
-    warm_block, warm_cloud,
+    EXPANSION, NONE, REFERENCE, constant, frozen, heat_of, heated, heated_block, held_chain, in_turns, keep_books,
+    still_lattice, warm_block, warm_cloud,
 };
 use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
@@ -61,6 +61,7 @@ fn assert_same(found: &State, expected: &State, what: &str) {
     differ(what, "temperature", &found.temperature, &expected.temperature);
     differ(what, "heat rate", &found.heat_rate, &expected.heat_rate);
     differ(what, "heat accounts", &found.heat_accounts, &expected.heat_accounts);
+    differ(what, "work per kelvin", &found.work_per_kelvin, &expected.work_per_kelvin);
     differ(what, "radius", &found.radius, &expected.radius);
     differ(what, "derivatives", &found.derivatives, &expected.derivatives);
     differ(what, "accounts", &found.accounts, &expected.accounts);
@@ -223,7 +224,7 @@ fn same_bits_with_heat_while_bonds_break() {
         (stored, verlet, false, true, Path::Bar, 0.0),
     ] {
         let (state, mut plan) = warm_block(law, integrator, expansion);
-        plan.ledger = ledger;
+        keep_books(&mut plan, ledger);
         heat_of(&mut plan).contacts = path;
         plan.bonds.as_mut().expect("the plan has bonds").contact_in_bonded_pairs = beside;
         assert!(tdem_engine::gpu::source(&state, &plan).contains("#define ALIKE_LINKS 0"));
@@ -240,7 +241,7 @@ fn same_bits_with_heat_while_every_step_searches() {
         [(ELASTIC, Integrator::VelocityVerlet, true, EXPANSION), (STORED, Integrator::Gear, false, 0.0)]
     {
         let (mut state, mut plan) = warm_block(law, integrator, expansion);
-        plan.ledger = ledger;
+        keep_books(&mut plan, ledger);
         plan.search.every_step = true;
         plan.search.skin = 0.0;
         let cooling = Course(vec![[0.0, 500.0], [30.0, 250.0]]);
@@ -292,7 +293,7 @@ fn same_bits_with_heat_through_bonds_that_are_alike() {
 fn same_bits_with_heat_through_contacts_and_on_the_way_between_devices() {
     for ledger in [false, true] {
         let (state, mut plan) = warm_cloud();
-        plan.ledger = ledger;
+        keep_books(&mut plan, ledger);
         let end = both(&state, &plan, 400, &format!("warm cloud, ledger {ledger}"));
         assert!(end.contacts.len() > 100 && end.wall_contacts.len() > 10, "the scene must be busy");
         let mut moved = state;
@@ -432,8 +433,8 @@ fn heat_takes_the_memory_that_is_foretold() {
         ..warm.clone()
     };
     let n = warm.len();
-    // Two temperatures, an exposure, two radii, two accounts.
-    let each = 2 * 8 + 4 + 2 * 8 + 2 * 8;
+    // Two temperatures, an exposure, two radii, four accounts, the work of expansion and how much warmer it got.
+    let each = 2 * 8 + 4 + 2 * 8 + 4 * 8 + 2 * 8;
     let held = |state: &State, plan: &Plan| {
         Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound").bytes()
     };
@@ -453,16 +454,16 @@ fn heat_alone_takes_the_memory_that_is_foretold() {
         assert!(tdem_engine::gpu::source(&state, &plan).contains("\nDEVICE void implicit_balance("));
         let mut simulation = Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound");
         let end = simulation.state().expect("the device answers");
-        let accounts = if ledger { 2 * 8 * n } else { 0 };
+        let (accounts, booked) = if ledger { (4 * 8 * n, 2 * 8 * n) } else { (0, 0) };
         let entries = 2 * (end.contacts.len() + end.bonds.len()) + end.wall_contacts.len();
         // The same run on the processor: temperature, two rates, capacity, exposure, accounts, rows of three kinds.
         let on_host = n * (4 * 8 + 2) + accounts + 3 * 8 * (n + 1) + entries * 12;
         let host = Simulation::new(state.clone(), plan.clone(), cpu()).expect("the scene is sound").bytes() - on_host;
         // The host keeps the accounts that it was given.
         let held = simulation.bytes() - host - accounts;
-        // Temperature, two rates, capacity, exposure, three ends of rows; accounts; seven vectors of a system.
+        // Temperature, two rates, capacity, exposure, three ends of rows; two accounts; seven vectors of a system.
         let system = if scheme == Scheme::Implicit { 7 * 8 * n } else { 0 };
-        let least = n * (4 * 8 + 4 * 4) + accounts + system + entries * 12;
+        let least = n * (4 * 8 + 4 * 4) + booked + system + entries * 12;
         // Rows side by side are as long as the longest.
         assert!(held > least && (held as f64) < 1.25 * least as f64, "{held}, not {least}");
         assert!(tdem_engine::gpu::bytes(&plan, n, 7 * n, 0) >= least);

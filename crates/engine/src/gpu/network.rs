@@ -65,11 +65,12 @@ pub(super) struct Conducting<R: Runtime> {
     halted: Buffer<u32, R::Memory>,
 }
 
-/// Heat accounts as the kernels have them, and all columns as they were taken out of a state.
+/// Heat accounts: what came in and went out as the kernels have it; all columns as they were taken up, of which the others are
+/// kept here.
 struct Accounts<M> {
     came_in: Buffer<f64, M>,
     went_out: Buffer<f64, M>,
-    taken: Vec<[f64; 2]>,
+    taken: Vec<[f64; 4]>,
 }
 
 /// Rows of all that conducts: contacts, then bonds, then walls. Rows of 32 particles stand side by side, as long as the
@@ -269,9 +270,9 @@ impl<R: Runtime> Conducting<R> {
 }
 
 impl<R: Runtime> Field for Conducting<R> {
-    fn take(&mut self, state: &mut State) -> Result<(), Fault> {
-        self.queue.upload(&self.temperature, &std::mem::take(&mut state.temperature))?;
-        self.accounts.taken = std::mem::take(&mut state.heat_accounts);
+    fn take_up(&mut self, temperature: &[f64], accounts: Vec<[f64; 4]>) -> Result<(), Fault> {
+        self.queue.upload(&self.temperature, temperature)?;
+        self.accounts.taken = accounts;
         let column = |column: usize| self.accounts.taken.iter().map(|account| account[column]).collect::<Vec<_>>();
         self.queue.upload(&self.accounts.came_in, &column(heat_accounts::IN))?;
         self.queue.upload(&self.accounts.went_out, &column(heat_accounts::OUT))?;
@@ -407,6 +408,11 @@ impl<R: Runtime> Field for Conducting<R> {
         self.queue.run(&warm, self.particles())?;
         self.conduction.part += 1;
         Ok(())
+    }
+    fn book(&mut self, column: usize, amount: f64) {
+        if let Some(account) = self.accounts.taken.first_mut() {
+            account[column] += amount;
+        }
     }
     fn astray(&mut self) -> Result<Option<(usize, f64)>, Fault> {
         self.conduction.part = 1;

@@ -13,8 +13,8 @@ pub(crate) struct Stuck {
 
 /// The temperatures of a run, by the order of ids, and what changes them. Where they lie does not change a bit.
 pub(crate) trait Field: Send {
-    /// Takes temperatures and heat accounts out of a state.
-    fn take(&mut self, state: &mut State) -> Result<(), Fault>;
+    /// Takes up temperatures, K, and heat accounts of a state.
+    fn take_up(&mut self, temperature: &[f64], accounts: Vec<[f64; 4]>) -> Result<(), Fault>;
     /// Puts temperatures, heat rates and heat accounts into a state.
     fn put(&mut self, state: &mut State) -> Result<(), Fault>;
     /// The present temperatures, K, `(N)`.
@@ -33,6 +33,8 @@ pub(crate) trait Field: Send {
     /// Lets temperatures follow the heat rates over a step or a part of it, s, and books what came in and out meanwhile.
     /// Where one has become none, nothing more is done until [`Field::astray`] tells of it.
     fn warm(&mut self, step: f64) -> Result<(), Fault>;
+    /// Books an amount, J, that is one of all particles: with the first, if there are accounts. Not what comes in or goes out.
+    fn book(&mut self, column: usize, amount: f64);
     /// The lowest index of those that have no temperature since the last step, and what they have, K.
     fn astray(&mut self) -> Result<Option<(usize, f64)>, Fault>;
     /// Bytes of all arrays together.

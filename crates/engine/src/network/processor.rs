@@ -19,7 +19,7 @@ pub(crate) struct Processor {
     /// K, `(N)`.
     temperature: Vec<f64>,
     /// J, `(N)`; empty without ledger.
-    accounts: Vec<[f64; 2]>,
+    accounts: Vec<[f64; 4]>,
     network: Network,
     around: Surroundings,
     rates: Rates,
@@ -44,9 +44,9 @@ impl Processor {
 }
 
 impl Field for Processor {
-    fn take(&mut self, state: &mut State) -> Result<(), Fault> {
-        self.temperature = std::mem::take(&mut state.temperature);
-        self.accounts = std::mem::take(&mut state.heat_accounts);
+    fn take_up(&mut self, temperature: &[f64], accounts: Vec<[f64; 4]>) -> Result<(), Fault> {
+        self.temperature = temperature.to_vec();
+        self.accounts = accounts;
         Ok(())
     }
     fn put(&mut self, state: &mut State) -> Result<(), Fault> {
@@ -110,6 +110,11 @@ impl Field for Processor {
             })
             .min();
         Ok(())
+    }
+    fn book(&mut self, column: usize, amount: f64) {
+        if let Some(account) = self.accounts.first_mut() {
+            account[column] += amount;
+        }
     }
     fn astray(&mut self) -> Result<Option<(usize, f64)>, Fault> {
         Ok(self.wrong.take().map(|index| (index, self.temperature[index])))

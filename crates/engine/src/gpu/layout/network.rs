@@ -1,7 +1,7 @@
 //! The table of heat alone, see `kernels/network.cl`. Its kernels are a program of their own.
 
 use super::super::network::Alone;
-use super::*;
+use super::{Argument, Buffer, Call, ExchangeOf, Head, InC, Pod, Traffic, Zeroable};
 
 records! {
     /// What the kernels are told.
