@@ -4,11 +4,15 @@
 //! contacts with higher ids, with lower ids; then the sum of its bonds from zero, in the same order; then what is foreign,
 //! from zero: walls, by their indices, and its surface.
 
+mod field;
 mod implicit;
+mod processor;
 mod rows;
 mod surroundings;
 
-pub(crate) use implicit::Stuck;
+pub(crate) use field::{Field, Stuck, is_temperature};
+pub(crate) use implicit::{MOST_ITERATIONS, TOLERANCE};
+pub(crate) use processor::Processor;
 pub(crate) use surroundings::{Span, Surroundings};
 
 use crate::{HeatPlan, Plan, State};
@@ -20,7 +24,7 @@ use tdem_physics::heat::conduction::{at_wall, between_spheres};
 use tdem_physics::heat::warming::longest_step;
 
 /// Particles per partial sum and per task. Fixed, so that sums have the same bits for any number of threads.
-const CHUNK: usize = 1024;
+pub(crate) const CHUNK: usize = 1024;
 
 /// What conducts heat in a state. `N` is the number of particles.
 #[derive(Default)]
@@ -156,6 +160,17 @@ impl Network {
             longest_step(self.capacity[i], self.contacts.sum(i) + self.bonds.sum(i) + foreign)
         };
         (0..temperature.len()).into_par_iter().with_min_len(CHUNK).map(of_particle).reduce(|| f64::INFINITY, f64::min)
+    }
+
+    /// All that conducts to a particle: others and conductances of contacts, of bonds, walls and conductances; W/K.
+    pub(crate) fn row(&self, particle: usize) -> impl Iterator<Item = (usize, f64)> {
+        self.contacts.row(particle).chain(self.bonds.row(particle)).chain(self.walls.row(particle))
+    }
+    /// Where contacts, bonds and walls end in [`Network::row`].
+    pub(crate) fn row_ends(&self, particle: usize) -> [usize; 3] {
+        let contacts = self.contacts.count(particle);
+        let bonds = contacts + self.bonds.count(particle);
+        [contacts, bonds, bonds + self.walls.count(particle)]
     }
 
     pub(crate) fn bytes(&self) -> usize {

@@ -15,6 +15,7 @@
 //! * [`conduction`] what goes through a contact or a bond
 //! * [`surface`] what goes through the surface of a group: flux, convection, radiation
 //! * [`warming`] how temperature and radius follow
+//! * [`implicit`] the equation of a body in an implicit step
 //! * [`dissipation`] heat of friction and of dashpots
 //! * [`expansion_work`] work that expansion does on springs
 //!
@@ -24,6 +25,7 @@
 pub mod conduction;
 pub mod dissipation;
 pub mod expansion_work;
+pub mod implicit;
 pub mod surface;
 pub mod warming;
 

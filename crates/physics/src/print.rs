@@ -1,7 +1,7 @@
 //! The laws as C, for kernels to call.
 //!
 //! [`source`] prints one file: the structs the laws exchange and every [`Formula`] of contacts and motion as a function;
-//! [`bond_source`] adds those of bonds, [`heat_source`] those of heat. A kernel's skeleton
+//! [`bond_source`] adds those of bonds, [`heat_source`] those of heat; [`network_source`] stands alone. A kernel's skeleton
 //! (loads, loops over neighbours, stores) includes it after a prelude that defines
 //!
 //! | word | meaning |
@@ -40,7 +40,8 @@ pub use formulas::{
     TouchOfSpheres, TouchOfWall,
 };
 pub use heat::{
-    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, SurfaceHeat, Warmed,
+    AtWall, BetweenSpheres, ForeignAtEnd, FreeStrain, Grown, HeatFlow, ImplicitBalance, ImplicitHeld, LinkBetween,
+    LinkConductance, LongestStep, ResidualSquares, SurfaceHeat, SurfaceSensitivity, ThermalSquare, Warmed,
 };
 pub use heat_of_motion::{
     DissipatedHeat, ElasticAtWall, ElasticBetweenSpheres, ExpansionWorkOfBond, ExpansionWorkOfContacts, HalfStepOfWork,
@@ -260,6 +261,30 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
 #[must_use]
 pub fn heat_source(path: Path) -> String {
     heat_functions(path).into_iter().fold(heat_types(), |text, (_, function)| text + "\n" + &function.text)
+}
+
+/// Every formula by its name, as a function, that is needed where heat goes on alone through conductances that are known.
+#[must_use]
+pub fn network_functions() -> Vec<(&'static str, CFunction)> {
+    vec![
+        entry(&HeatFlow),
+        entry(&SurfaceHeat),
+        entry(&SurfaceSensitivity),
+        entry(&Warmed),
+        entry(&LongestStep),
+        entry(&ImplicitHeld),
+        entry(&ImplicitBalance),
+        entry(&ForeignAtEnd),
+        entry(&ThermalSquare),
+        entry(&ResidualSquares),
+    ]
+}
+
+/// The struct and the functions of [`network_functions`] in one text, which needs nothing of [`source`].
+#[must_use]
+pub fn network_source() -> String {
+    let types = Exchange::<Symbol>::definition();
+    network_functions().into_iter().fold(types, |text, (_, function)| text + "\n" + &function.text)
 }
 
 #[cfg(test)]

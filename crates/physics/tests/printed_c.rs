@@ -230,16 +230,28 @@ fn heat_has_the_bits_of_the_law() {
     });
     alone(print::LinkConductance, |rng| (rng.link(), rng.size(-8, -2)));
     alone(print::FreeStrain, |rng| (rng.link(), rng.number(-3, 11), rng.number(-3, 11)));
-    alone(print::SurfaceHeat, |rng| {
+    let surroundings = |rng: &mut Rng| {
         let [flux_area, conductance, radiation, resistance] =
             [(-20, -6), (-20, 4), (-44, -30), (-3, 12)].map(|(low, high)| match rng.below(3) {
                 0 => 0.0,
                 _ => rng.size(low, high),
             });
         (Exchange { flux_area, conductance, radiation, resistance }, rng.size(7, 11), rng.size(7, 11))
-    });
+    };
+    alone(print::SurfaceHeat, surroundings);
+    alone(print::SurfaceSensitivity, surroundings);
     alone(print::Warmed, |rng| (rng.size(7, 11), rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
     alone(print::Grown, |rng| (rng.size(-9, -2), rng.number(-20, -10), rng.number(-3, 11)));
+}
+
+#[test]
+fn implicit_heat_has_the_bits_of_the_law() {
+    alone(print::LongestStep, |rng| (rng.size(-12, 4), if rng.one_in(4) { 0.0 } else { rng.size(-20, 4) }));
+    alone(print::ImplicitHeld, |rng| (rng.size(-12, 4), rng.size(-24, 12), rng.size(-20, 4)));
+    alone(print::ImplicitBalance, |rng| (rng.size(-24, 12), rng.number(-60, 11), rng.number(-60, 12)));
+    alone(print::ForeignAtEnd, |rng| (rng.number(-20, 12), rng.size(-20, 4), rng.number(-60, 11)));
+    alone(print::ThermalSquare, |rng| (rng.size(-12, 4), rng.number(-60, 11)));
+    alone(print::ResidualSquares, |rng| (rng.number(-60, 12), rng.size(-24, 12), rng.size(-12, 4), rng.size(-24, 12)));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What both sides of a launch agree on, in one table: the structs, and the parameters of every kernel.
+//! What both sides of a launch agree on, in one table per program: the structs, and the parameters of every kernel.
 //!
 //! A kernel's head is written from this table, and its launch takes its arguments by the same names and types: a
 //! mismatch between host and kernel does not compile on one side or the other. How much a launch moves at least is
@@ -124,7 +124,7 @@ macro_rules! records {
             }
         )*
         /// The structs, as typedefs of C.
-        pub(super) fn record_definitions() -> String {
+        pub(in crate::gpu) fn record_definitions() -> String {
             let mut text = String::new();
             $(
                 text += "typedef struct {\n";
@@ -135,7 +135,7 @@ macro_rules! records {
         }
         /// Name and size of every struct.
         #[cfg(test)]
-        pub(super) fn record_sizes() -> Vec<(&'static str, usize)> {
+        pub(in crate::gpu) fn record_sizes() -> Vec<(&'static str, usize)> {
             vec![$((stringify!($name), size_of::<$name>())),*]
         }
     };
@@ -316,20 +316,35 @@ records! {
 
 /// A launch: a kernel and its arguments.
 pub(crate) trait Call<M> {
+    /// What the kernel is a part of.
+    type Program;
     /// The kernel's name.
     const NAME: &'static str;
     /// Work-items of a group.
     const GROUP: usize;
     /// The arguments, in the order of the head.
     fn arguments(&self) -> Vec<Argument<'_, M>>;
-    /// What it moves at least in this variant, if nothing halts it.
-    fn traffic(&self, variant: &Variant) -> Traffic;
+    /// What it moves at least in this variant of the program, if nothing halts it.
+    fn traffic(&self, program: &Self::Program) -> Traffic;
 }
 
 /// How a kernel of the table is written in C.
 pub(super) struct Head {
     pub(super) name: &'static str,
     pub(super) text: String,
+}
+
+/// Skeletons with the heads of their kernels.
+///
+/// # Panics
+/// If a kernel of the table is not written exactly once.
+pub(super) fn with_heads(mut skeletons: String, heads: &[Head]) -> String {
+    for head in heads {
+        let marker = format!("\nkernel {}\n", head.name);
+        assert_eq!(skeletons.matches(&marker).count(), 1, "kernel {} is written once", head.name);
+        skeletons = skeletons.replace(&marker, &format!("\n{}\n", head.text));
+    }
+    skeletons
 }
 
 macro_rules! parameter {
@@ -394,28 +409,29 @@ macro_rules! used_by {
 }
 
 macro_rules! kernels {
-    ($($(#[$about:meta])* $kernel:ident as $call:ident($group:literal, $groups:literal) {
+    (of $program:ty; $($(#[$about:meta])* $kernel:ident as $call:ident($group:literal, $groups:literal) {
         $($parameter:ident: $use:ident $type:ty $(where $variants:expr)?),* $(,)?
     })*) => {
         $(
             $(#[$about])*
             pub(crate) struct $call<'a, M> { $(pub(crate) $parameter: field_type!($use $type, 'a, M)),* }
             impl<M> Call<M> for $call<'_, M> {
+                type Program = $program;
                 const NAME: &'static str = stringify!($kernel);
                 const GROUP: usize = $group;
                 fn arguments(&self) -> Vec<Argument<'_, M>> {
                     vec![$(argument!($use, self.$parameter)),*]
                 }
-                fn traffic(&self, variant: &Variant) -> Traffic {
-                    let parameters: Vec<(fn(&Variant) -> bool, Traffic)> =
+                fn traffic(&self, program: &$program) -> Traffic {
+                    let parameters: Vec<(fn(&$program) -> bool, Traffic)> =
                         vec![$((used_by!($($variants)?), traffic!($use, self.$parameter))),*];
-                    let used = parameters.into_iter().filter(|(used_by, _)| used_by(variant));
+                    let used = parameters.into_iter().filter(|(used_by, _)| used_by(program));
                     used.map(|(_, traffic)| traffic).sum()
                 }
             }
         )*
         /// Every kernel's head: `KERNEL(threads, groups) name(parameters)`.
-        pub(super) fn heads() -> Vec<Head> {
+        pub(in crate::gpu) fn heads() -> Vec<Head> {
             vec![$({
                 let parameters = [$(parameter!($use $type, $parameter)),*];
                 Head {
@@ -434,6 +450,7 @@ macro_rules! kernels {
 }
 
 kernels! {
+    of Variant;
     /// See `kernels/predict.cl`.
     predict as Predict(128, 4) {
         step: value Step, status: shared u32,
@@ -597,6 +614,9 @@ kernels! {
     }
 }
 
+/// The table of heat alone.
+pub(super) mod network;
+
 #[cfg(test)]
 mod tests {
     use super::super::devices::open_opencl;
@@ -608,6 +628,7 @@ mod tests {
     #[test]
     fn structs_are_as_large_in_kernels_as_here() {
         let mut sizes = record_sizes();
+        sizes.extend(network::record_sizes());
         sizes.extend([
             (Pair::NAME, size_of::<Pair>()),
             (Beam::NAME, size_of::<Beam>()),
@@ -620,6 +641,7 @@ mod tests {
             (Quad::NAME, size_of::<Quad>()),
         ]);
         let mut source = print::types() + &print::bond_types() + &print::heat_types() + &record_definitions();
+        source += &network::record_definitions();
         source += "KERNEL(64, 1) sizes(GLOBAL u32 *RESTRICT size)\n{\n    FOR_EACH(i, 1u) {\n";
         for (k, (name, _)) in sizes.iter().enumerate() {
             let _ = writeln!(source, "        size[{k}] = (u32)sizeof({name});");

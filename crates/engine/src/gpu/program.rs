@@ -8,6 +8,14 @@ use tdem_physics::contact::Friction;
 use tdem_physics::heat::{Link, Path};
 use tdem_physics::{bond, print};
 
+/// Kernels that are built together.
+pub(crate) trait Program {
+    /// The names of the kernels.
+    fn kernels(&self) -> Vec<&'static str>;
+    /// The whole text but the prelude.
+    fn source(&self) -> String;
+}
+
 /// What is decided when the kernels are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the source, and they are independent")]
@@ -158,8 +166,10 @@ impl Variant {
     pub(crate) fn friction(&self) -> bool {
         self.law.friction != Friction::Off
     }
-    /// The names of its kernels.
-    pub(crate) fn kernels(&self) -> Vec<&'static str> {
+}
+
+impl Program for Variant {
+    fn kernels(&self) -> Vec<&'static str> {
         let written = |name: &&str| match *name {
             "fused" => self.fused(),
             "bond" | "take_numbers" | "follow_ends" => self.bonds_apart,
@@ -169,11 +179,7 @@ impl Variant {
         };
         layout::heads().into_iter().map(|head| head.name).filter(written).collect()
     }
-    /// The whole text but the prelude.
-    ///
-    /// # Panics
-    /// If a kernel of the table is not written exactly once.
-    pub(crate) fn source(&self) -> String {
+    fn source(&self) -> String {
         let mut text = String::new();
         let switches = [
             ("FRICTION", self.friction()),
@@ -235,11 +241,6 @@ impl Variant {
             skeletons.push('\n');
             skeletons += file;
         }
-        for head in layout::heads() {
-            let marker = format!("\nkernel {}\n", head.name);
-            assert_eq!(skeletons.matches(&marker).count(), 1, "kernel {} is written once", head.name);
-            skeletons = skeletons.replace(&marker, &format!("\n{}\n", head.text));
-        }
-        text + &skeletons
+        text + &layout::with_heads(skeletons, &layout::heads())
     }
 }

@@ -1,6 +1,7 @@
 //! What conducts to each particle, row by row.
 
 use rayon::prelude::*;
+use std::ops::Range;
 use tdem_physics::heat::conduction::flow;
 
 /// Conductances between particles, or between particles and walls, `L` of them as seen from their particles.
@@ -69,11 +70,19 @@ impl Rows {
     }
 
     #[inline(always)]
-    fn row(&self, particle: usize) -> impl Iterator<Item = (usize, f64)> {
-        let range = match self.start.get(particle..particle + 2) {
+    fn range(&self, particle: usize) -> Range<usize> {
+        match self.start.get(particle..particle + 2) {
             Some(&[from, to]) => from..to,
             _ => 0..0,
-        };
+        }
+    }
+    /// How many conduct to a particle.
+    pub(super) fn count(&self, particle: usize) -> usize {
+        self.range(particle).len()
+    }
+    #[inline(always)]
+    pub(super) fn row(&self, particle: usize) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.range(particle);
         self.other[range.clone()].iter().map(|&other| other as usize).zip(self.conductance[range].iter().copied())
     }
     /// Sum of the heat rates into a particle of one temperature from others, W.

@@ -172,3 +172,51 @@ pub(crate) fn heated_block() -> (State, Plan) {
     }
     (state, plan)
 }
+
+/// More than two chunks of spheres of several sizes, temperatures and exposures, also prescribed ones, on a lattice that
+/// repeats in y and stands on a warm floor. Most neighbours are bonded, the others touch; nothing moves.
+pub(crate) fn still_lattice() -> (State, Plan) {
+    let cells = [9, 8, 8];
+    let mut plan = free_space(ELASTIC, JOINT);
+    (plan.domain.min, plan.domain.max[1]) = ([-0.1, 0.0, -0.1], cells[1] as f64 * LATTICE_CONSTANT);
+    plan.domain.periodic = [false, true, false];
+    plan.materials = 2;
+    plan.interactions = vec![plan.interactions[0]; 4];
+    plan.bonds.as_mut().expect("the plan has bonds").joints = vec![Some(JOINT); 4];
+    plan.walls = vec![super::wall("floor", [0.0, 0.0, 1.0], [0.0; 3])];
+    plan.constraints.push(CLAMPED);
+    let mut places = lattice(cells);
+    places.iter_mut().zip(0..).for_each(|((_, radius), k)| *radius *= 1.001 + 0.008 * random(15, k));
+    let mut state = spheres(&places, DENSITY);
+    state.wall_position = vec![[0.0, 0.0, -RADIUS]];
+    state.constraint.fill(1);
+    bond_neighbours(&mut state, &plan);
+    let mut count = 0;
+    state.bonds.retain(|_| {
+        count += 1;
+        count % 5 > 0
+    });
+    heated(&mut state, &mut plan, 0.0);
+    let conductor = |conductivity| Conductor { conductivity, section: 0.35 };
+    let heat = heat_of(&mut plan);
+    heat.materials[1].specific_heat *= 0.6;
+    heat.conductors = vec![conductor(1.5), conductor(2.1), conductor(2.1), conductor(3.5)];
+    heat.walls[0] = Some(Course(vec![[0.0, 300.0], [100.0, 900.0]]));
+    let flux = Exchange { flux_area: 2e-5, ..NONE };
+    let glow = Exchange { conductance: 1e-3, radiation: 5e-12, resistance: 30.0, ..NONE };
+    let open = |exchanges| Exposure { temperature: None, exchanges };
+    heat.exposures.extend([
+        open(vec![(flux, Course(vec![[0.0, 1e5], [100.0, 4e5]])), (glow, Course(vec![[0.0, 900.0], [50.0, 600.0]]))]),
+        Exposure {
+            temperature: Some(Course(vec![[0.0, 300.0], [80.0, 500.0]])),
+            exchanges: vec![(glow, constant(900.0))],
+        },
+        open(vec![(Exchange { conductance: 2e-3, ..NONE }, constant(280.0))]),
+    ]);
+    for i in 0..state.len() {
+        state.material[i] = u16::from(i % 3 == 0);
+        state.temperature[i] = 300.0 + 200.0 * random(16, i as u64);
+        state.exposure[i] = [0, 0, 1, 0, 2, 0, 0, 3, 0, 0, 0][i % 11];
+    }
+    (state, plan)
+}

@@ -3,7 +3,7 @@
 use super::Formula;
 use crate::Real;
 use crate::contact::Touch;
-use crate::heat::{Conductor, Exchange, Link, Path, conduction, warming};
+use crate::heat::{Conductor, Exchange, Link, Path, conduction, implicit, warming};
 
 /// [`conduction::between_spheres`].
 #[derive(Clone, Copy, Debug)]
@@ -130,6 +130,23 @@ impl Formula for SurfaceHeat {
     }
 }
 
+/// [`Exchange::sensitivity`].
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceSensitivity;
+
+impl Formula for SurfaceSensitivity {
+    const NAME: &'static str = "surface_sensitivity";
+    const INPUTS: &'static [&'static str] = &["exchange", "temperature", "outside"];
+    const OUTPUTS: &'static [&'static str] = &["sensitivity"];
+    type Input<R: Real> = (Exchange<R>, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (exchange, temperature, outside): Self::Input<R>) -> Self::Output<R> {
+        (exchange.sensitivity(temperature, outside),)
+    }
+}
+
 /// [`warming::warmed`].
 #[derive(Clone, Copy, Debug)]
 pub struct Warmed;
@@ -147,6 +164,23 @@ impl Formula for Warmed {
     }
 }
 
+/// [`warming::longest_step`].
+#[derive(Clone, Copy, Debug)]
+pub struct LongestStep;
+
+impl Formula for LongestStep {
+    const NAME: &'static str = "longest_step";
+    const INPUTS: &'static [&'static str] = &["capacity", "conductance"];
+    const OUTPUTS: &'static [&'static str] = &["step"];
+    type Input<R: Real> = (R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (capacity, conductance): Self::Input<R>) -> Self::Output<R> {
+        (warming::longest_step(capacity, conductance),)
+    }
+}
+
 /// [`warming::grown`].
 #[derive(Clone, Copy, Debug)]
 pub struct Grown;
@@ -161,5 +195,90 @@ impl Formula for Grown {
     #[inline(always)]
     fn apply<R: Real>(&self, (reference_radius, expansion, warmth): Self::Input<R>) -> Self::Output<R> {
         (warming::grown(reference_radius, expansion, warmth),)
+    }
+}
+
+/// [`implicit::held`].
+#[derive(Clone, Copy, Debug)]
+pub struct ImplicitHeld;
+
+impl Formula for ImplicitHeld {
+    const NAME: &'static str = "implicit_held";
+    const INPUTS: &'static [&'static str] = &["capacity", "step", "sensitivity"];
+    const OUTPUTS: &'static [&'static str] = &["held"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (capacity, step, sensitivity): Self::Input<R>) -> Self::Output<R> {
+        (implicit::held(capacity, step, sensitivity),)
+    }
+}
+
+/// [`implicit::balance`].
+#[derive(Clone, Copy, Debug)]
+pub struct ImplicitBalance;
+
+impl Formula for ImplicitBalance {
+    const NAME: &'static str = "implicit_balance";
+    const INPUTS: &'static [&'static str] = &["held", "change", "conducted"];
+    const OUTPUTS: &'static [&'static str] = &["balance"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (held, change, conducted): Self::Input<R>) -> Self::Output<R> {
+        (implicit::balance(held, change, conducted),)
+    }
+}
+
+/// [`implicit::foreign_at_end`].
+#[derive(Clone, Copy, Debug)]
+pub struct ForeignAtEnd;
+
+impl Formula for ForeignAtEnd {
+    const NAME: &'static str = "foreign_at_end";
+    const INPUTS: &'static [&'static str] = &["foreign", "sensitivity", "change"];
+    const OUTPUTS: &'static [&'static str] = &["at_end"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (foreign, sensitivity, change): Self::Input<R>) -> Self::Output<R> {
+        (implicit::foreign_at_end(foreign, sensitivity, change),)
+    }
+}
+
+/// [`implicit::square`].
+#[derive(Clone, Copy, Debug)]
+pub struct ThermalSquare;
+
+impl Formula for ThermalSquare {
+    const NAME: &'static str = "thermal_square";
+    const INPUTS: &'static [&'static str] = &["capacity", "kelvins"];
+    const OUTPUTS: &'static [&'static str] = &["square"];
+    type Input<R: Real> = (R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (capacity, kelvins): Self::Input<R>) -> Self::Output<R> {
+        (implicit::square(capacity, kelvins),)
+    }
+}
+
+/// [`implicit::residual_squares`].
+#[derive(Clone, Copy, Debug)]
+pub struct ResidualSquares;
+
+impl Formula for ResidualSquares {
+    const NAME: &'static str = "residual_squares";
+    const INPUTS: &'static [&'static str] = &["residual", "diagonal", "capacity", "step"];
+    const OUTPUTS: &'static [&'static str] = &["square", "error"];
+    type Input<R: Real> = (R, R, R, R);
+    type Output<R: Real> = (R, R);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (residual, diagonal, capacity, step): Self::Input<R>) -> Self::Output<R> {
+        implicit::residual_squares(residual, diagonal, capacity, step).into()
     }
 }
