@@ -230,6 +230,25 @@ fn same_bits_with_heat_while_bonds_break() {
     }
 }
 
+/// Bonds from both sides, and each once.
+#[test]
+fn same_bits_within_open_sides() {
+    for (law, integrator, every_step) in [
+        (ELASTIC, Integrator::VelocityVerlet, false),
+        (ELASTIC, Integrator::VelocityVerlet, true),
+        (STORED, Integrator::Gear, false),
+    ] {
+        let (state, plan) = warm_block(law, integrator, 0.0);
+        let mut bounded = plan.clone();
+        bounded.search.every_step = every_step;
+        // Those that are insulated are within one side, and so are two of the surfaces.
+        heat_of(&mut bounded).sides = vec![1, 2, 3, 0];
+        let end = both(&state, &bounded, 100, &format!("open sides, {law:?} {integrator:?}, every step {every_step}"));
+        let plain = run(&state, &plan, cpu(), 100).expect("the scene runs through");
+        assert!(end.temperature.iter().zip(&plain.temperature).any(|(a, b)| (a - b).abs() > 1e-3), "they conduct more");
+    }
+}
+
 /// Where every step searches, each bond is evaluated once. Particles that cool part from those they touched.
 #[test]
 fn same_bits_with_heat_while_every_step_searches() {
@@ -359,7 +378,7 @@ fn heat_takes_the_memory_that_is_foretold() {
     };
     let of_heat = held(&warm, &warm_plan) - held(&cold, &cold_plan);
     // Beside the particles there are only tables.
-    assert!(of_heat >= n * each && of_heat < n * (each + 1), "{of_heat} of {n}");
+    assert!((n * each..n * each + 1024).contains(&of_heat), "{of_heat} of {n}");
     let foretold = |plan: &Plan| tdem_engine::gpu::bytes(plan, n, 0, 0);
     assert_eq!(foretold(&warm_plan) - foretold(&cold_plan), n * each);
 }

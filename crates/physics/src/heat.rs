@@ -24,4 +24,4 @@ pub mod surface;
 pub mod warming;
 
 pub use conduction::{Conductor, Link, Path};
-pub use surface::Exchange;
+pub use surface::{Exchange, Outside};

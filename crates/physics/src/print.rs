@@ -39,7 +39,8 @@ pub use formulas::{
     TouchOfSpheres, TouchOfWall,
 };
 pub use heat::{
-    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, SurfaceHeat, Warmed,
+    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, LinkWithinSide, SurfaceHeat,
+    Warmed,
 };
 pub use members::{Members, Parameter, Parameters};
 
@@ -47,7 +48,7 @@ use crate::bond::{
     self, Advance, Bond, Cement, Coefficients, Form, History, Joint, Modes, Posture, Reaction, Rest, Stress,
 };
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
-use crate::heat::{Conductor, Exchange, Link, Path};
+use crate::heat::{Conductor, Exchange, Link, Outside, Path};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
 use crate::real::{CFunction, Symbol};
@@ -219,7 +220,13 @@ pub fn bond_source(law: bond::Law) -> String {
 /// The structs that the functions of heat exchange besides those of [`types`], as typedefs.
 #[must_use]
 pub fn heat_types() -> String {
-    [Conductor::<Symbol>::definition(), Link::<Symbol>::definition(), Exchange::<Symbol>::definition()].concat()
+    [
+        Conductor::<Symbol>::definition(),
+        Link::<Symbol>::definition(),
+        Exchange::<Symbol>::definition(),
+        Outside::<Symbol>::definition(),
+    ]
+    .concat()
 }
 
 /// Every formula of heat by its name, as a function, for contacts that conduct in the given way.
@@ -230,6 +237,7 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&AtWall { path }),
         entry(&HeatFlow),
         entry(&LinkBetween),
+        entry(&LinkWithinSide),
         entry(&LinkConductance),
         entry(&FreeStrain),
         entry(&SurfaceHeat),

@@ -13,9 +13,9 @@ use crate::{Exposure, Fault, HeatPlan, Plan};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::{touch_spheres, touch_wall};
-use tdem_physics::heat::Link;
 use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
 use tdem_physics::heat::warming::{grown, warmed};
+use tdem_physics::heat::{Link, Outside};
 
 /// What pairs conduct from the row's particle's side, W; room that is kept from step to step.
 #[derive(Default)]
@@ -167,7 +167,7 @@ impl Cpu {
                     rate += incoming.fold(own, |sum, &slot| sum - flows.bonds[slot as usize]);
                 }
                 let exposure = usize::from(law.bodies.exposure[i]);
-                for ((exchange, _), &outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
+                for ((exchange, _), outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
                     foreign += exchange.heat_rate(law.bodies.temperature[i], outside);
                 }
                 force[k].0[3] = rate + foreign;
@@ -188,13 +188,9 @@ fn value_of(exposure: &Exposure, time: f64) -> Option<f64> {
 
 /// Outside values of the exchanges of each exposure, those of the middle of the step that follows; none where temperatures
 /// are prescribed.
-fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
+fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<Outside<f64>>> {
     let middle = plan.heat_middle(step);
-    let of_exposure = |exposure: &Exposure| match exposure.temperature {
-        Some(_) => Vec::new(),
-        None => exposure.exchanges.iter().map(|(_, course)| course.value(middle)).collect(),
-    };
-    heat.exposures.iter().map(of_exposure).collect()
+    heat.exposures.iter().map(|exposure| exposure.outside(middle, middle)).collect()
 }
 
 /// What the conduction of heat looks at.
@@ -238,11 +234,13 @@ impl Conduction<'_> {
         let (i, j) = (self.bonds.owner[slot] as usize, self.bonds.other[slot] as usize);
         let offset: Vec3<f64> = self.bonds.offset[slot].into();
         let link = link(self.heat, self.bodies, self.bonds, slot);
+        let within = self.heat.at_one_side([i, j].map(|index| self.bodies.exposure[index]));
+        let link = if within { link.within_side() } else { link };
         flow(link.conductance(offset.dot(offset).sqrt()), self.bodies.temperature[i], self.bodies.temperature[j])
     }
 }
 
-/// What a bond is to heat.
+/// What a bond is to heat, wherever its particles lie.
 #[inline(always)]
 pub(super) fn link(heat: &HeatPlan, bodies: &Bodies, bonds: &Bonds, slot: usize) -> Link<f64> {
     let (i, j) = (bonds.owner[slot] as usize, bonds.other[slot] as usize);

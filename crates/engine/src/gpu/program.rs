@@ -49,6 +49,8 @@ pub(crate) struct Variant {
     pub(crate) expands: bool,
     /// Whether particles exchange heat with their surroundings.
     pub(crate) exposed: bool,
+    /// Whether bonds within open sides conduct more.
+    pub(crate) bounded: bool,
     /// Whether all contacts conduct with the same.
     pub(crate) one_conductor: bool,
     /// Whether all bonds of a pair of materials are the same to heat.
@@ -114,6 +116,7 @@ impl Variant {
             heat: heat.map(|heat| heat.contacts),
             expands,
             exposed: heat.is_some_and(HeatPlan::exposes),
+            bounded: heat.is_some_and(HeatPlan::bounds),
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
             alike_links: alike_links.is_some(),
             one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),
@@ -197,6 +200,7 @@ impl Variant {
             ("HEAT_THROUGH_CONTACTS", self.heat.is_some_and(|path| path != Path::Closed)),
             ("EXPANDS", self.expands),
             ("EXPOSED", self.exposed),
+            ("BOUNDED", self.bounded),
             ("ONE_CONDUCTOR", self.one_conductor),
             ("ALIKE_LINKS", self.alike_links),
             ("ONE_LINK", self.one_link),
