@@ -101,6 +101,10 @@ pub struct BondPlan {
 }
 
 impl BondPlan {
+    /// Whether bonds have dashpots.
+    pub(crate) fn has_dashpots(&self) -> bool {
+        self.law.damping != bond::Damping::Off
+    }
     /// Whether bonds store forces.
     #[must_use]
     pub fn remembers(&self) -> bool {

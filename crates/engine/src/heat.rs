@@ -4,7 +4,7 @@ use crate::plan::{Piece, pieces, value_at};
 use crate::{Fault, Motion, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::heat::warming::grown;
-use tdem_physics::heat::{Conductor, Exchange, Link, Outside, Path};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path};
 
 /// What a plan says of heat.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,9 @@ pub struct HeatPlan {
     pub walls: Vec<Option<Course>>,
     /// What particles do while heat goes on.
     pub motion: Motion,
+    /// Which parts of the energy that motion loses become heat; anything but 0 needs a ledger, which knows the losses, and
+    /// heat that goes along with the motion.
+    pub dissipation: Dissipation<f64>,
 }
 
 /// What a material is to heat.
@@ -136,10 +139,14 @@ pub mod heat_accounts {
     pub const IN: usize = 0;
     /// Left through them, positive.
     pub const OUT: usize = 1;
+    /// Made by friction and dashpots.
+    pub const MADE: usize = 2;
+    /// Not heat: work that expansion did on springs, which is energy of the motion.
+    pub const EXPANSION: usize = 3;
 }
 
 /// Books heat that came in, or left if it is negative, J.
-pub(crate) fn book(account: &mut [f64; 2], heat: f64) {
+pub(crate) fn book(account: &mut [f64; 4], heat: f64) {
     if heat > 0.0 {
         account[heat_accounts::IN] += heat;
     } else {
@@ -156,6 +163,11 @@ impl HeatPlan {
     /// Whether heat goes along with the motion; not where the motion has its turn, and temperatures stay as they are.
     pub(crate) fn flows(&self) -> bool {
         self.time_scale > 0.0
+    }
+    /// Whether friction or dashpots make heat.
+    #[must_use]
+    pub fn makes_heat(&self) -> bool {
+        self.dissipation != Dissipation::default()
     }
     /// Whether anything depends on exposures.
     pub(crate) fn exposes(&self) -> bool {
@@ -192,7 +204,10 @@ impl HeatPlan {
         let prescribed = self.exposures.iter().filter_map(|exposure| exposure.temperature.as_ref());
         let positive = |number: f64| number.is_finite() && number > 0.0;
         let courses = self.exposures.iter().flat_map(Exposure::courses);
+        let part = |number: f64| (0.0..=1.0).contains(&number);
         positive(self.time_scale)
+            && part(self.dissipation.friction)
+            && part(self.dissipation.damping)
             && positive(self.reference_temperature)
             && self.materials.len() == plan.materials
             && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
@@ -234,6 +249,14 @@ impl Plan {
     #[must_use]
     pub fn expands(&self) -> bool {
         self.heat.as_ref().is_some_and(HeatPlan::expands)
+    }
+    /// Whether the ledger follows the work that expansion does on springs.
+    pub(crate) fn books_expansion(&self) -> bool {
+        self.ledger && self.expands()
+    }
+    /// Whether friction or dashpots make heat.
+    pub(crate) fn makes_heat(&self) -> bool {
+        self.heat.as_ref().is_some_and(HeatPlan::makes_heat)
     }
     /// Time of the heat after a number of steps, s.
     #[must_use]
@@ -302,6 +325,10 @@ impl State {
             "particles that expand have a radius at the reference temperature, others none",
         )?;
         check(
+            self.work_per_kelvin.is_empty() || plan.books_expansion() && self.work_per_kelvin.len() == n,
+            "work per kelvin is for all particles or none, and with a ledger only",
+        )?;
+        check(
             self.heat_accounts.is_empty() || self.heat_accounts.len() == n,
             "heat accounts are for all particles or none",
         )?;
@@ -311,6 +338,10 @@ impl State {
             "heat has numbers for every material, pair and wall, and courses that ascend in time",
         )?;
         heat.motion.validate(plan, heat)?;
+        check(
+            !heat.makes_heat() || plan.ledger && !heat.motion.takes_turns(),
+            "what makes heat by motion has a ledger, and heat that goes along with the motion",
+        )?;
         check(self.temperature.iter().all(|&t| t > 0.0 && t.is_finite()), "temperatures are above absolute zero")?;
         check(self.exposure.iter().all(|&e| usize::from(e) < heat.exposures.len()), "every exposure is in the plan")?;
         let incremental = plan.bonds.as_ref().is_some_and(|bonds| matches!(bonds.law.form, bond::Form::Incremental(_)));

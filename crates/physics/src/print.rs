@@ -27,6 +27,7 @@
 mod bonds;
 mod formulas;
 mod heat;
+mod heat_of_motion;
 mod members;
 
 pub use bonds::{
@@ -42,13 +43,17 @@ pub use heat::{
     AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, LinkWithinSide, SurfaceHeat,
     Warmed,
 };
+pub use heat_of_motion::{
+    DissipatedHeat, ElasticAtWall, ElasticBetweenSpheres, ExpansionWorkOfBond, ExpansionWorkOfContacts, HalfStepOfWork,
+    HeatRateOfMotion,
+};
 pub use members::{Members, Parameter, Parameters};
 
 use crate::bond::{
     self, Advance, Bond, Cement, Coefficients, Form, History, Joint, Modes, Posture, Reaction, Rest, Stress,
 };
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
-use crate::heat::{Conductor, Exchange, Link, Outside, Path};
+use crate::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
 use crate::real::{CFunction, Symbol};
@@ -225,6 +230,7 @@ pub fn heat_types() -> String {
         Link::<Symbol>::definition(),
         Exchange::<Symbol>::definition(),
         Outside::<Symbol>::definition(),
+        Dissipation::<Symbol>::definition(),
     ]
     .concat()
 }
@@ -243,6 +249,13 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&SurfaceHeat),
         entry(&Warmed),
         entry(&Grown),
+        entry(&DissipatedHeat),
+        entry(&HeatRateOfMotion),
+        entry(&ElasticBetweenSpheres),
+        entry(&ElasticAtWall),
+        entry(&ExpansionWorkOfBond),
+        entry(&ExpansionWorkOfContacts),
+        entry(&HalfStepOfWork),
     ]
 }
 

@@ -12,7 +12,7 @@ use tdem_physics::bond::{
 use tdem_physics::contact::{
     Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
-use tdem_physics::heat::{Conductor, Exchange, Link, Outside, Path as HeatPath};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path as HeatPath};
 use tdem_physics::motion::gear::Trajectory;
 use tdem_physics::motion::orientation::Quaternion;
 use tdem_physics::print::{self, Formula, Parameter, Parameters};
@@ -242,6 +242,26 @@ fn heat_has_the_bits_of_the_law() {
     });
     alone(print::Warmed, |rng| (rng.size(7, 11), rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
     alone(print::Grown, |rng| (rng.size(-9, -2), rng.number(-20, -10), rng.number(-3, 11)));
+}
+
+#[test]
+fn heat_of_motion_has_the_bits_of_the_law() {
+    alone(print::DissipatedHeat, |rng| {
+        let dissipation = Dissipation { friction: rng.size(-3, 0), damping: rng.size(-3, 0) };
+        (dissipation, rng.size(-30, 2), rng.number(-30, 2))
+    });
+    alone(print::HeatRateOfMotion, |rng| (rng.number(-30, 2), rng.size(-24, 2)));
+    alone(print::ElasticBetweenSpheres, |rng| {
+        let [first, second] = [rng.size(-9, -2), rng.size(-9, -2)];
+        (first, second, rng.overlap(first + second), rng.interaction())
+    });
+    alone(print::ElasticAtWall, |rng| {
+        let radius = rng.size(-9, -2);
+        (radius, rng.overlap(radius), rng.interaction())
+    });
+    alone(print::ExpansionWorkOfBond, |rng| (rng.number(-20, -10), rng.number(-10, 20), rng.size(-9, -2)));
+    alone(print::ExpansionWorkOfContacts, |rng| (rng.size(-10, 20), rng.number(-20, -10), rng.size(-9, -2)));
+    alone(print::HalfStepOfWork, |rng| (rng.number(-30, 2), rng.number(-20, 4)));
 }
 
 /// Whether bonds have dashpots.

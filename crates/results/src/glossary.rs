@@ -368,7 +368,11 @@ pub(crate) static HISTORY_WITH_HEAT: &[Quantity<OfRow>] = &[
     real("heat_stored", "J", "heat of all particles, less that at the start", |r| one(heat(r).stored)),
     real("heat_in", "J", "heat that came in since the start", |r| one(heat(r).came_in)),
     real("heat_out", "J", "heat that went out since the start", |r| one(heat(r).went_out)),
-    real("heat_error", "J", "what the ledger does not explain: stored - in + out", |r| one(heat(r).error)),
+    real("heat_made", "J", "heat that friction and dashpots made since the start", |r| one(heat(r).made)),
+    real("heat_error", "J", "what the ledger does not explain: stored - in + out - made", |r| one(heat(r).error)),
+    real("expansion_work", "J", "work that expansion did on springs since the start, energy of the motion", |r| {
+        one(r.ledger.expansion_work)
+    }),
     real("lowest_temperature", "K", "lowest temperature of a particle", |r| one(heat(r).lowest)),
     real("mean_temperature", "K", "mean temperature of all particles", |r| one(heat(r).mean)),
     real("highest_temperature", "K", "highest temperature of a particle", |r| one(heat(r).highest)),
@@ -381,6 +385,7 @@ fn heat(row: &Row) -> HeatLedger {
         stored: f64::NAN,
         came_in: f64::NAN,
         went_out: f64::NAN,
+        made: f64::NAN,
         error: f64::NAN,
         lowest: f64::NAN,
         mean: f64::NAN,

@@ -14,7 +14,7 @@ use crate::problem::Problem;
 use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
 use tdem_engine::physics::heat::conduction::pair_conductivity;
-use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::physics::heat::{Conductor, Dissipation, Path};
 use tdem_engine::{Course, HeatPlan, Motion, Relaxation, Scheme, Thermal};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
@@ -62,6 +62,10 @@ pub(super) fn of(
         sides,
         walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
         motion: Motion::Stepped,
+        dissipation: Dissipation {
+            friction: heat.from_friction.map_or(0.0, schema::Fraction::get),
+            damping: heat.from_damping.map_or(0.0, schema::Fraction::get),
+        },
     };
     Some((plan, surfaces))
 }

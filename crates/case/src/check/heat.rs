@@ -30,6 +30,7 @@ impl Checker<'_> {
         }
         self.turns(heat);
         self.open_sides(heat);
+        self.heat_of_motion();
         for (k, group) in self.case.particles.iter().enumerate() {
             if let Some(temperature) = group.temperature {
                 self.temperature(heat, temperature, &["particles", &k.to_string(), "temperature"]);
@@ -98,8 +99,8 @@ impl Checker<'_> {
         }
         let idle: &[&str] = match heat.motion {
             Motion::Scaled => &["step", "scheme", "relaxation"],
-            Motion::Frozen => &["time_scale", "duration", "relaxation"],
-            Motion::QuasiStatic => &["time_scale", "duration"],
+            Motion::Frozen => &["time_scale", "duration", "relaxation", "from_friction", "from_damping"],
+            Motion::QuasiStatic => &["time_scale", "duration", "from_friction", "from_damping"],
         };
         for key in idle {
             if self.tree.get(&["heat", key]).is_none() {
@@ -129,6 +130,33 @@ impl Checker<'_> {
                     .at(place, format!("must be at most {end} s"))
                     .at(cause, "the run ends here"),
             );
+        }
+    }
+
+    /// What motion loses is known from the ledger, and only where there is friction.
+    fn heat_of_motion(&mut self) {
+        for key in ["from_friction", "from_damping"] {
+            if self.tree.get(&["heat", key]).is_none() {
+                continue;
+            }
+            let place = self.tree.key_place(&["heat", key]);
+            if !self.case.output.ledger {
+                let cause = self.place(&["output", "ledger"]);
+                self.push(
+                    Problem::error("tdem::case::conflicting-keys", "what becomes heat is known from the energy ledger")
+                        .at(place, "needs the ledger")
+                        .at(cause, "which is off")
+                        .help("remove `ledger = false`"),
+                );
+            } else if key == "from_friction" && self.case.model == Model::GN {
+                let cause = self.place(&["model"]);
+                self.push(
+                    Problem::error("tdem::case::conflicting-keys", "the model GN has no friction")
+                        .at(place, "has no effect")
+                        .at(cause, "with this")
+                        .help("write model = \"GNT\" or \"GNTM\", or remove it"),
+                );
+            }
         }
     }
 

@@ -26,7 +26,7 @@ use crate::cpu::Quad;
 use bytemuck::{Pod, Zeroable};
 use tdem_physics::bond;
 use tdem_physics::contact::Interaction;
-use tdem_physics::heat::{Conductor, Exchange, Link};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link};
 use tdem_physics::print::Members;
 
 /// A type that the host and kernels lay out alike.
@@ -98,6 +98,10 @@ flat!(
 flat!(
     /// [`Link`], as the printed laws lay it out.
     LinkOf as "Link", 3 from Link<f64>
+);
+flat!(
+    /// [`Dissipation`], as the printed laws lay it out.
+    DissipationOf as "Dissipation", 2 from Dissipation<f64>
 );
 flat!(
     /// [`Exchange`], as the printed laws lay it out.
@@ -189,6 +193,8 @@ records! {
         conductor: ConductorOf,
         /// What all bonds are to heat, if there is only one kind of them.
         link: LinkOf,
+        /// Which parts of the energy that motion loses become heat.
+        dissipation: DissipationOf,
         particles: u32,
         walls: u32,
         /// Work-items: the larger of both.
@@ -443,7 +449,8 @@ kernels! {
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
         temperature: update f64, reference_radius: read f64, listed_radius: read f64, thermals: read Thermal,
-        exposure: read u32, exposures: read Exposure, heat_in: seldom f64, heat_out: seldom f64,
+        exposure: read u32, exposures: read Exposure, heat_accounts: seldom Quad,
+        work_per_kelvin: read f64, warming: write f64,
     }
     /// See `kernels/bond.cl`.
     bond as EvaluateBonds(128, 4) {
@@ -458,7 +465,7 @@ kernels! {
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius(),
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32 where |v| v.bounded,
-        exposures: read Exposure where |v| v.bounded, bond_flow: write f64,
+        exposures: read Exposure where |v| v.bounded, bond_flow: write f64, bond_work: write f64,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
@@ -481,10 +488,11 @@ kernels! {
         bond_other: amend u32 where |v| !v.bonds_apart, bond_start: seldom u32,
         bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
         bond_number: read u32, reaction: read Vector, bond_lost: read f64, bond_flow: read f64,
+        bond_work: read f64,
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius() && !v.bonds_apart,
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
-        heat_in: seldom f64, heat_out: seldom f64,
+        heat_accounts: seldom Quad, work_per_kelvin: write f64, warming: read f64,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {

@@ -47,6 +47,8 @@ pub(crate) struct Variant {
     pub(crate) heat: Option<Path>,
     /// Whether radii and bonds follow temperatures.
     pub(crate) expands: bool,
+    /// Whether friction or dashpots make heat.
+    pub(crate) makes_heat: bool,
     /// Whether particles exchange heat with their surroundings.
     pub(crate) exposed: bool,
     /// Whether bonds within open sides conduct more.
@@ -115,6 +117,7 @@ impl Variant {
             local_damping: plan.bonds.as_ref().is_some_and(|bonds| bonds.local_damping > 0.0),
             heat: heat.map(|heat| heat.contacts),
             expands,
+            makes_heat: plan.makes_heat(),
             exposed: heat.is_some_and(HeatPlan::exposes),
             bounded: heat.is_some_and(HeatPlan::bounds),
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
@@ -199,6 +202,8 @@ impl Variant {
             ("HEAT", self.heat.is_some()),
             ("HEAT_THROUGH_CONTACTS", self.heat.is_some_and(|path| path != Path::Closed)),
             ("EXPANDS", self.expands),
+            ("MAKES_HEAT", self.makes_heat),
+            ("EXPANSION_WORK", self.ledger && self.expands),
             ("EXPOSED", self.exposed),
             ("BOUNDED", self.bounded),
             ("ONE_CONDUCTOR", self.one_conductor),

@@ -255,8 +255,9 @@ impl<R: Runtime> Gpu<R> {
                 thermals: &self.heat.thermals,
                 exposure: &self.heat.exposure,
                 exposures: &self.heat.exposures,
-                heat_in: &self.heat.came_in,
-                heat_out: &self.heat.went_out,
+                heat_accounts: &self.heat.accounts,
+                work_per_kelvin: &self.heat.work_per_kelvin,
+                warming: &self.heat.warming,
             },
             step.items as usize,
         )
@@ -318,6 +319,7 @@ impl<R: Runtime> Gpu<R> {
             conductors: &self.heat.conductors,
             links: &self.heat.links,
             bond_flow: &bonds.apart.flow,
+            bond_work: &bonds.apart.work,
         }
     }
 
@@ -359,6 +361,7 @@ impl<R: Runtime> Gpu<R> {
                 reaction: &self.bonds.apart.reaction,
                 bond_lost: &self.bonds.apart.lost,
                 bond_flow: &self.bonds.apart.flow,
+                bond_work: &self.bonds.apart.work,
                 temperature: &half.temperature,
                 reference_radius: &self.heat.reference_radius,
                 thermals: &self.heat.thermals,
@@ -367,8 +370,9 @@ impl<R: Runtime> Gpu<R> {
                 exposure: &self.heat.exposure,
                 exposures: &self.heat.exposures,
                 exchanges: &self.heat.exchanges,
-                heat_in: &self.heat.came_in,
-                heat_out: &self.heat.went_out,
+                heat_accounts: &self.heat.accounts,
+                work_per_kelvin: &self.heat.work_per_kelvin,
+                warming: &self.heat.warming,
             },
             self.particles,
         )

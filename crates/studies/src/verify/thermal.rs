@@ -8,7 +8,7 @@ mod surfaces;
 use super::scene::{HELD, Scene};
 use super::{Case, Tier};
 use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
-use tdem_engine::physics::heat::{Conductor, Exchange, Path};
+use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
 use tdem_engine::{Around, Course, Exposure, HeatPlan, Motion, Thermal};
 
 pub(super) const CASES: &[Case] = &[
@@ -251,6 +251,7 @@ impl Scene {
         let thermal =
             |material: Material| Thermal { specific_heat: material.specific_heat, expansion: material.expansion };
         let heat = HeatPlan {
+            dissipation: Dissipation::default(),
             time_scale: 1.0,
             reference_temperature: ROOM,
             materials: (0..count).map(|k| thermal(material(k))).collect(),
