@@ -89,7 +89,7 @@ impl Found {
             falling: 0.0,
             wall_speed: context.planes.iter().map(|plane| length(plane.wall.velocity)).fold(0.0, f64::max),
         };
-        let gravity = context.loaded.case.gravity;
+        let gravity = context.gravity();
         let strength = length(gravity);
         for k in 0..state.len() {
             let material = usize::from(state.material[k]);

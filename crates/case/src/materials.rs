@@ -15,9 +15,9 @@ pub(crate) const RIGID: &str = "rigid";
 pub(crate) struct Materials {
     pub(crate) names: Vec<String>,
     pub(crate) elastic: Vec<Elastic>,
-    /// kg/m³; the rigid material has none.
+    /// Of what moves, so many times the true one as the masses are scaled, kg/m³; the rigid material has none.
     pub(crate) density: Vec<f64>,
-    /// What they are to heat; the rigid material conducts nothing.
+    /// What they are to heat, by the mass that moves; the rigid material conducts nothing.
     pub(crate) thermal: Vec<Conducting>,
     /// Index of the entry in the case for each pair, `(materials, materials)`.
     given: Vec<Option<usize>>,
@@ -31,8 +31,9 @@ impl Materials {
             .values()
             .map(|m| Elastic { young_modulus: m.young_modulus.get(), poisson_ratio: m.poisson_ratio.get() })
             .collect();
-        let mut density: Vec<f64> = case.material.values().map(|m| m.density.get()).collect();
-        let mut thermal: Vec<Conducting> = case.material.values().map(Conducting::of).collect();
+        let scaling = case.time.mass_scaling();
+        let mut density: Vec<f64> = case.material.values().map(|m| scaling * m.density.get()).collect();
+        let mut thermal: Vec<Conducting> = case.material.values().map(|m| Conducting::of(m, scaling)).collect();
         names.push(RIGID.to_owned());
         elastic.push(Elastic::RIGID);
         density.push(f64::INFINITY);

@@ -1,10 +1,11 @@
 //! What a case says of heat, as the engine gets it.
 
 use std::path::Path;
-use tdem_case::{Built, parse};
-use tdem_engine::Course;
+use tdem_case::{Built, load, parse};
 use tdem_engine::physics::heat::Path as ContactPath;
 use tdem_engine::physics::heat::conduction::{bar, face_centred_bar};
+use tdem_engine::physics::heat::surface::Cover;
+use tdem_engine::{Around, Course, Exposure, Reading, Simulation, cpu};
 
 const HEAD: &str = r#"
 model = "TBPM"
@@ -108,7 +109,7 @@ fn a_face_of_a_lattice_needs_no_area_and_no_depth() {
             counts[0] += 1;
             let [(exchange, outside)] = exposure.exchanges.as_slice() else { panic!("one exchange") };
             assert!((exchange.conductance / (area * 1.5 / depth) - 1.0).abs() < 1e-12);
-            assert_eq!(outside, &Course(vec![[0.0, 293.15], [100.0, 1173.15]]));
+            assert_eq!(outside, &Around::fluid(Course(vec![[0.0, 293.15], [100.0, 1173.15]])));
         } else if place[2] < 1e-6 {
             counts[1] += 1;
             let [(exchange, _)] = exposure.exchanges.as_slice() else { panic!("one exchange") };
@@ -134,11 +135,40 @@ fn surfaces_add_up_where_they_meet() {
     let exposure = &heat.exposures[usize::from(state.exposure[corner.expect("there are particles")])];
     let [(flux, entering), (radiation, outside)] = exposure.exchanges.as_slice() else { panic!("two exchanges") };
     assert!((flux.flux_area / 1e-4 - 1.0).abs() < 1e-12, "18 particles share 1.8e-3 m²");
-    assert_eq!(entering, &Course(vec![[0.0, 1000.0]]));
+    assert_eq!(entering, &Around::flux(Course(vec![[0.0, 1000.0]])));
     let area = 0.5 * constant() * constant();
     assert!((radiation.radiation / (0.9 * 5.670_374_419e-8 * area) - 1.0).abs() < 1e-12);
     assert!((radiation.resistance / (0.25 * constant() / (1.5 * area)) - 1.0).abs() < 1e-12);
-    assert_eq!(outside, &Course(vec![[0.0, 1173.15]]));
+    assert_eq!(outside, &Around::surroundings(Course(vec![[0.0, 1173.15]])));
+}
+
+#[test]
+fn all_that_acts_on_a_surface_is_one_exchange() {
+    let built = build(&format!(
+        "{HEAT}[[surface]]\nface = \"+z\"\nflux = 1000.0\nconvection = {{ coefficient = 10.0, temperature = 20.0 }}\n\
+         radiation = {{ emissivity = 0.9, temperature = 900.0 }}\n"
+    ));
+    let heat = built.plan.heat.as_ref().expect("the plan has heat");
+    assert_eq!(heat.exposures.len(), 2, "insulated, and the surface");
+    let [(exchange, around)] = heat.exposures[1].exchanges.as_slice() else { panic!("one exchange") };
+    let constant_at = |value| Some(Course(vec![[0.0, value]]));
+    let expected = Around { flux: constant_at(1000.0), fluid: constant_at(293.15), surroundings: constant_at(1173.15) };
+    assert_eq!(around, &expected);
+    let cover = Cover {
+        area: 0.5 * constant() * constant(),
+        depth: 0.25 * constant(),
+        conductivity: 1.5,
+        film: 10.0,
+        emissivity: 0.9,
+    };
+    for (got, expected) in [
+        (exchange.flux_area, cover.exchange().flux_area),
+        (exchange.conductance, cover.exchange().conductance),
+        (exchange.radiation, cover.exchange().radiation),
+        (exchange.resistance, cover.exchange().resistance),
+    ] {
+        assert!((got / expected - 1.0).abs() < 1e-12, "{got} {expected}");
+    }
 }
 
 #[test]
@@ -155,8 +185,79 @@ fn what_was_measured_is_read_from_a_table() {
                 temperature = { file = \"tests/bad/measured.csv\", time = \"t\", value = \"temperature\", time_factor = 60.0 }\n";
     let built = build(&format!("{HEAT}{tail}"));
     let heat = built.plan.heat.expect("the plan has heat");
-    let courses: Vec<_> = heat.exposures.iter().flat_map(|e| &e.exchanges).map(|(_, outside)| outside).collect();
+    let courses: Vec<_> = heat.exposures.iter().flat_map(Exposure::courses).collect();
     assert_eq!(courses, [&Course(vec![[0.0, 293.15], [600.0, 303.15]])]);
+}
+
+#[test]
+fn scaled_masses_keep_weight_and_heat() {
+    let built = |scaling: &str| {
+        let text = HEAD.replace("gravity = [0.0, 0.0, 0.0]", "gravity = [0.0, 0.0, -9.81]");
+        let text = text.replace("end = 1.0e-2", &format!("end = 1.0e-2\n{scaling}"));
+        parse("case.toml", &format!("{text}{HEAT}"), Path::new("."), &[]).expect("the text is right").build()
+    };
+    let [plain, one, scaled] = ["", "mass_scaling = 1.0", "mass_scaling = 400.0"]
+        .map(|scaling| built(scaling).expect("the case can be built"));
+    assert_eq!(plain.state, one.state);
+    assert_eq!(plain.plan, one.plan);
+    let specific_heat = |built: &Built| built.plan.heat.as_ref().expect("the plan has heat").materials[0].specific_heat;
+    for (k, &mass) in plain.state.mass.iter().enumerate() {
+        let heavier = scaled.state.mass[k];
+        assert!((heavier / mass / 400.0 - 1.0).abs() < 1e-14);
+        assert!((heavier * scaled.plan.gravity[2] / (mass * plain.plan.gravity[2]) - 1.0).abs() < 1e-14, "weight");
+        assert!((heavier * specific_heat(&scaled) / (mass * specific_heat(&plain)) - 1.0).abs() < 1e-14, "capacity");
+    }
+    // The same vibrations, slower by the root.
+    assert!((scaled.plan.dt / plain.plan.dt / 20.0 - 1.0).abs() < 1e-12, "{} {}", scaled.plan.dt, plain.plan.dt);
+}
+
+#[test]
+fn a_bar_of_scaled_masses_pushes_as_hard() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/restrained-bar.toml");
+    let force = |set: &[(&str, &str)]| {
+        let set: Vec<(String, String)> = set.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+        let built = load(&file, &set).expect("the case is sound").build().expect("it can be built");
+        let (steps, dt) = (built.schedule.steps, built.plan.dt);
+        let gauge = built.plan.gauges[0].clone();
+        let mut simulation =
+            Simulation::new(built.state, built.plan, cpu::Options::default()).expect("the scene is sound");
+        simulation.advance(steps).expect("it runs through");
+        let state = simulation.state().expect("a state can be taken");
+        let Reading::Of { force, .. } = gauge.read(&state, simulation.plan()) else { panic!("a group") };
+        (force[2], dt, steps)
+    };
+    let (true_force, true_step, true_steps) = force(&[]);
+    let (scaled, step, steps) = force(&[("time.mass_scaling", "100.0")]);
+    assert!((step / true_step / 10.0 - 1.0).abs() < 1e-9 && true_steps > 9 * steps, "{step} {true_step}");
+    // -E alpha dT on the section, less what the open sides do not bear.
+    assert!(
+        (true_force / 31.1e3 - 1.0).abs() < 0.01 && (scaled / true_force - 1.0).abs() < 0.01,
+        "{scaled} {true_force}"
+    );
+}
+
+#[test]
+fn bonds_within_open_sides_conduct_more() {
+    let built = build(&format!("{HEAT}open_sides = [\"-x\", \"+x\", \"-y\", \"+y\"]\n"));
+    let (state, heat) = (&built.state, built.plan.heat.as_ref().expect("the plan has heat"));
+    let edge = 2.5 * constant();
+    let sides = |k: usize| {
+        let [x, y, _] = state.position[k];
+        [x < 1e-6, x > edge - 1e-6, y < 1e-6, y > edge - 1e-6]
+    };
+    let (mut within, mut along_edges) = (0, 0);
+    for bond in &state.bonds {
+        let [i, j] = [bond.first, bond.second].map(|id| state.index_of(id).expect("the particle is there"));
+        let both = sides(i).iter().zip(sides(j)).filter(|&(&a, b)| a && b).count();
+        assert_eq!(heat.at_one_side([state.exposure[i], state.exposure[j]]), both > 0);
+        within += usize::from(both > 0);
+        along_edges += usize::from(both > 1);
+    }
+    // 18 sites in a side, each the middle or the end of 2 planar bonds.
+    assert!(within > 60 && along_edges == 0, "{within} {along_edges}");
+    let plain = build(HEAT).plan.heat.expect("the plan has heat");
+    assert_eq!((plain.sides.len(), plain.exposures.len()), (0, 1));
+    assert_eq!(plain.conductors, heat.conductors);
 }
 
 #[test]

@@ -8,8 +8,8 @@ use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use tdem_case::schema::Precision;
-use tdem_case::{Built, StepLimits};
+use tdem_case::schema::{Damping, Precision};
+use tdem_case::{Built, Loaded, StepLimits};
 use tdem_engine::State;
 
 #[derive(Args, Debug)]
@@ -42,6 +42,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     text += &entry("memory", format!("about {}", bytes(built.memory.run_bytes)));
     text += &entry("on a GPU", format!("about {} of its memory", bytes(built.memory.device_bytes)));
     text += &entry("step", summary::step(&built));
+    text += &summary::masses(&loaded);
+    text += &consequences(&loaded);
     text += &summary::heat(&built);
     text += &schedule(&built);
     text += &limits(&built.limits);
@@ -87,6 +89,30 @@ fn bonds(state: &State, materials: &[&str]) -> String {
         text += &entry("", format!("{} of {} and {}", grouped(count), name(a), name(b)));
     }
     text
+}
+
+/// What scaled masses do and do not change.
+fn consequences(loaded: &Loaded) -> String {
+    let (case, scaling) = (&loaded.case, loaded.case.time.mass_scaling());
+    if scaling == 1.0 {
+        return String::new();
+    }
+    let root = short(scaling.sqrt());
+    let mut lines = vec![
+        format!("steps may be {root} times as long; vibrations last as much longer"),
+        "weight, forces that are applied and heat capacity stay".to_owned(),
+        "kinetic energy is that of the scaled masses; keep it below 1 to 5 % of the elastic energy".to_owned(),
+    ];
+    if case.contact.damping == Damping::Viscous {
+        lines.push(format!(
+            "dashpots in 1/s go with the mass: {} times the coefficient in N s/m, {root} times the part of the critical",
+            short(scaling)
+        ));
+    }
+    if case.model.bonds() {
+        lines.push("damping_ratio and local_damping of bonds keep their part of the critical".to_owned());
+    }
+    lines.iter().map(|line| entry("", line)).collect()
 }
 
 /// When what is written, and how much.

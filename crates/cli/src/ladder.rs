@@ -1,28 +1,30 @@
-//! `tdem ladder`: what it costs to let the heat of a case go faster than its motion.
+//! `tdem ladder`: what it costs to let the heat of a case go faster than its motion, or in long steps.
 
 use crate::console::{data, say};
 use crate::machine::Machine;
 use crate::progress::Meter;
 use crate::render::{self, Report, Reports};
+use crate::signals::{self, Signals};
 use crate::units::{argument, bytes, clock, entry, grouped, number, short};
 use crate::{cases, files, ladder_table, memory, summary};
 use clap::Args;
 use std::fmt::Write;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 use tdem_case::{Loaded, Memory};
 use tdem_engine::{Plan, Simulation, State};
-use tdem_studies::ladder::{Error, Progress, Rung, climb, kept_bytes, rungs, step_seconds};
+use tdem_studies::ladder::{Error, Halved, Progress, Rung, climb, kept_bytes, rungs, step_seconds};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// The case file: one whose heat goes faster than the motion
+    /// The case file: one whose heat goes faster than the motion, or advances by itself
     #[arg(value_name = "CASE.toml")]
     case: PathBuf,
-    /// How often the case runs, each time at half the pace of the heat
+    /// How often the case runs, each time at half the pace of the heat, or with half its step
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=8))]
     rungs: u32,
     /// Into how many equal parts the time of the heat is divided; at the end of each, runs are compared
@@ -55,8 +57,11 @@ step, so that each run takes twice as long as the one before, and runs are compa
 at equal times of the heat. Where differences halve from one pair to the next (order 1), the first run of a pair is twice
 its difference away from what a run without acceleration gives, and the second once.
 
-Frames are not written. What moves by the clock of the motion (prescribed motion, walls that move, forces along points)
-would be elsewhere on each rung: such a case is refused. Gravity and constant forces may be there.";
+Heat that is \"frozen\" or in turns with the motion (\"quasi-static\") has its own time: the case then runs with steps of the heat
+h, h/2, h/4, ...
+
+Ctrl-C ends the run under way and compares those that are complete. Frames are not written. What moves by the clock of the motion (prescribed motion, walls that move, forces along points)
+would be elsewhere on each rung of S: such a case is refused. Gravity and constant forces may be there.";
 
 /// The file that stands for the results.
 const TABLE: &str = "ladder.csv";
@@ -65,6 +70,7 @@ const REPORT: &str = "ladder.md";
 const TRIAL: Duration = Duration::from_millis(500);
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    let signals = Signals::catch()?;
     let out = arguments.out.clone().unwrap_or_else(|| default_directory(&arguments.case));
     let loaded = cases::load(&arguments.case, &arguments.set)?;
     let (table, document) = (out.join(TABLE), out.join(REPORT));
@@ -90,11 +96,24 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         say(before(&loaded, &rungs, step, needed) + &machine);
     }
     let mut meter = Meter::new(arguments.quiet);
+    signals.defer();
     let climbed = climb(rungs, arguments.instants, start, &mut |progress: &Progress<'_>| {
         meter.show(progress.done, progress.steps, || line(progress));
+        if signals.caught().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     meter.finish();
     let ladder = climbed.map_err(report)?;
+    let complete = ladder.rungs.len() == arguments.rungs as usize;
+    let stopped = signals.caught().filter(|_| !complete);
+    if let Some(signal) = stopped {
+        let (name, rungs) = (signals::name(signal), ladder.rungs.len());
+        say(format!("Stopped by {name}: {rungs} of {} rungs are complete.", arguments.rungs));
+    }
+    let code = stopped.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(128 + signal));
+    if ladder.pairs.is_empty() {
+        // Nothing can be compared.
+        return Ok(code);
+    }
     let title = if loaded.case.title.is_empty() { &loaded.source.name } else { &loaded.case.title };
     files::write(&table, ladder_table::csv(&ladder).as_bytes())?;
     files::write(&document, ladder_table::markdown(title, &loaded.source.name, &ladder).as_bytes())?;
@@ -102,7 +121,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if !arguments.quiet {
         say(format!("Written: {}, {}", argument(&table), argument(&document)));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(code)
 }
 
 fn default_directory(case: &Path) -> PathBuf {
@@ -116,10 +135,14 @@ fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, needed: u64) -> St
     let (case, first) = (&loaded.case, &rungs[0].built);
     let steps: Vec<u64> = rungs.iter().map(|rung| rung.built.schedule.steps).collect();
     let listed = |cells: Vec<String>| cells.join(", ");
-    let scales = listed(rungs.iter().map(|rung| short(rung.time_scale())).collect());
+    let values = listed(rungs.iter().map(|rung| short(rung.value())).collect());
+    let pace = match rungs[0].halved {
+        Halved::TimeScale => format!("{values} times as fast as motion"),
+        Halved::HeatStep => format!("in steps of {values} s"),
+    };
     let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
     text += &entry("particles", format!("{}, model {:?}", grouped(first.state.len() as u64), case.model));
-    text += &entry("heat", format!("{} s, {scales} times as fast as motion", short(rungs[0].heat_end())));
+    text += &entry("heat", format!("{} s, {pace}", short(rungs[0].heat_end())));
     text += &entry("step", summary::step(first));
     text += &entry("steps", listed(steps.iter().map(|&steps| grouped(steps)).collect()));
     text += &entry("memory", format!("about {}", bytes(needed)));
@@ -149,8 +172,7 @@ fn report(error: Error) -> Reports {
         Error::NoHeat => ("tdem::ladder::no-heat", "a case with a table [heat] is needed, such as cases/heating.toml"),
         Error::NotAccelerated { .. } => (
             "tdem::ladder::not-accelerated",
-            "give the heat a `time_scale` above 1, or a `duration` longer than time.end; heat with particles that are \
-             \"frozen\" or \"quasi-static\" has its own time, and nothing is accelerated",
+            "give the heat a `time_scale` above 1, or a `duration` longer than time.end",
         ),
         Error::TooManyRungs { .. } => ("tdem::ladder::too-many-rungs", "ask for fewer with --rungs"),
         Error::FollowsMotion { .. } => (

@@ -3,7 +3,7 @@
 use crate::units::{clock, grouped, number, short};
 use std::fmt::Write;
 use std::time::Duration;
-use tdem_studies::ladder::{Difference, Ladder, Outcome, Pair};
+use tdem_studies::ladder::{Difference, Halved, Ladder, Outcome, Pair};
 
 /// Columns of a pair. "and" is the finer of its two rungs.
 const COLUMNS: [&str; 13] = [
@@ -26,12 +26,19 @@ Each run against the next at equal times of the heat. T: differences of the temp
 stresses, beside the root mean square of these stresses on the finer rung; order: log2 of the difference of the pair before
 over this one; broken: bonds that are broken on both rungs, and those broken on one only; kinetic: kinetic over elastic
 energy on both.";
-const OUTCOMES: [&str; 6] = ["rung", "time scale", "steps", "time", "broken bonds", "hash"];
+/// Columns of a rung; the second tells what is halved.
+fn outcomes(ladder: &Ladder) -> [&'static str; 6] {
+    let halved = match ladder.halved {
+        Halved::TimeScale => "time scale",
+        Halved::HeatStep => "heat step s",
+    };
+    ["rung", halved, "steps", "time", "broken bonds", "hash"]
+}
 
 /// For a terminal.
 pub(crate) fn text(ladder: &Ladder) -> String {
     let mut text = format!("{LEGEND}\n\n");
-    let _ = writeln!(text, "{}", aligned(&OUTCOMES, &ladder.rungs.iter().map(outcome).collect::<Vec<_>>()));
+    let _ = writeln!(text, "{}", aligned(&outcomes(ladder), &rungs(ladder)));
     for index in 0..ladder.pairs.len() {
         let _ = writeln!(text, "{}\n{}", heading(ladder, index), aligned(&COLUMNS, &rows(ladder, index)));
     }
@@ -40,13 +47,16 @@ pub(crate) fn text(ladder: &Ladder) -> String {
 
 /// A document in Markdown.
 pub(crate) fn markdown(title: &str, source: &str, ladder: &Ladder) -> String {
-    let mut text =
-        format!("# The price of acceleration: {title}\n\n`{source}`, tdem {}\n\n", env!("CARGO_PKG_VERSION"));
+    let price = match ladder.halved {
+        Halved::TimeScale => "acceleration",
+        Halved::HeatStep => "long steps of the heat",
+    };
+    let mut text = format!("# The price of {price}: {title}\n\n`{source}`, tdem {}\n\n", env!("CARGO_PKG_VERSION"));
     for verdict in verdicts(ladder) {
         let _ = writeln!(text, "- {verdict}");
     }
     text += "\n";
-    text += &piped(&OUTCOMES, &ladder.rungs.iter().map(outcome).collect::<Vec<_>>());
+    text += &piped(&outcomes(ladder), &rungs(ladder));
     let _ = writeln!(text, "\n{LEGEND}");
     for index in 0..ladder.pairs.len() {
         let _ = write!(text, "\n## {}\n\n{}", heading(ladder, index), piped(&COLUMNS, &rows(ladder, index)));
@@ -59,7 +69,7 @@ pub(crate) fn csv(ladder: &Ladder) -> String {
     let mut text = String::from(
         "rung,finer_rung,time_scale,finer_time_scale,heat_time,temperature_rms,temperature_largest,temperature_order,\
          stress_rms,stress_largest,stress_size,stress_order,broken_bonds,finer_broken_bonds,broken_in_one,\
-         kinetic_over_elastic,finer_kinetic_over_elastic\n",
+         kinetic_over_elastic,finer_kinetic_over_elastic,heat_step,finer_heat_step\n",
     );
     for (index, pair) in ladder.pairs.iter().enumerate() {
         let (coarse, fine) = (&ladder.rungs[index], &ladder.rungs[index + 1]);
@@ -71,7 +81,7 @@ pub(crate) fn csv(ladder: &Ladder) -> String {
             let _ = writeln!(
                 text,
                 "{},{},{:e},{:e},{heat_time:e},{:e},{:e},{of_temperature},{:e},{:e},{stress_size:e},{of_stress},\
-                 {broken},{finer},{},{kinetic},{finer_kinetic}",
+                 {broken},{finer},{},{kinetic},{finer_kinetic},{:e},{:e}",
                 coarse.label,
                 fine.label,
                 coarse.time_scale,
@@ -81,6 +91,8 @@ pub(crate) fn csv(ladder: &Ladder) -> String {
                 stress.rms,
                 stress.largest,
                 found.broken_in_one,
+                coarse.heat_step_seconds,
+                fine.heat_step_seconds,
             );
         }
     }
@@ -171,14 +183,26 @@ fn orders(ladder: &Ladder, index: usize, instant: usize) -> [Option<f64>; 2] {
 
 fn heading(ladder: &Ladder, index: usize) -> String {
     let [coarse, fine] = [index, index + 1].map(|k| &ladder.rungs[k]);
-    let named = |rung: &Outcome| format!("{} = {}", rung.label, short(rung.time_scale));
+    let named = |rung: &Outcome| format!("{} = {}", rung.label, halved(ladder, rung));
     format!("{} against {}", named(coarse), named(fine))
 }
 
-fn outcome(rung: &Outcome) -> [String; 6] {
+/// What is halved, of a rung.
+fn halved(ladder: &Ladder, rung: &Outcome) -> String {
+    match ladder.halved {
+        Halved::TimeScale => short(rung.time_scale),
+        Halved::HeatStep => short(rung.heat_step_seconds),
+    }
+}
+
+fn rungs(ladder: &Ladder) -> Vec<[String; 6]> {
+    ladder.rungs.iter().map(|rung| outcome(ladder, rung)).collect()
+}
+
+fn outcome(ladder: &Ladder, rung: &Outcome) -> [String; 6] {
     [
         rung.label.clone(),
-        short(rung.time_scale),
+        halved(ladder, rung),
         grouped(rung.steps),
         clock(Duration::try_from_secs_f64(rung.clock_secs).unwrap_or_default()),
         format!("{} of {}", grouped(rung.broken_bonds), grouped(rung.bonds)),

@@ -39,7 +39,7 @@ impl Meter {
     }
 
     /// Tells something beside the bar.
-    fn tell(&self, text: String) {
+    pub(crate) fn tell(&self, text: String) {
         match &self.bar {
             Some(bar) => bar.suspend(|| say(text)),
             None if self.quiet => {}

@@ -14,6 +14,7 @@ pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, device
     let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
     text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
     text += &entry("step", step(built));
+    text += &masses(loaded);
     text += &heat(built);
     let end = short(built.plan.time(schedule.steps));
     text += &entry("duration", format!("{end} s, {}", counted(schedule.steps, "step")));
@@ -42,6 +43,15 @@ pub(crate) fn step(built: &Built) -> String {
         }
         None => format!("{step}, nothing limits it"),
     }
+}
+
+/// That masses are scaled, if they are.
+pub(crate) fn masses(loaded: &Loaded) -> String {
+    let scaling = loaded.case.time.mass_scaling();
+    if scaling == 1.0 {
+        return String::new();
+    }
+    entry("masses", format!("{} times the true ones where they move, for states of rest", short(scaling)))
 }
 
 /// How heat goes on, if there is any.

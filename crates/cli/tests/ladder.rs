@@ -105,6 +105,44 @@ fn results_that_are_there_are_kept() {
 }
 
 #[test]
+fn heat_by_itself_has_rungs_of_its_steps() {
+    let room = Room::new();
+    let by_itself =
+        WARM.replace("duration = 400.0", "motion = \"frozen\"\nstep = 20.0").replace("end = 1e-3", "end = 80.0");
+    room.write("warm.toml", &by_itself);
+    let said = room.tdem(&[&LADDER[..], &["--instants", "2", "--rungs", "3"]].concat()).exits(0);
+    for part in ["h = 20 against h/2 = 10", "heat step s", "h/4 in place of h/2: at the end"] {
+        assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
+    }
+    said.complains(&["in steps of 20, 10, 5 s"]);
+    let table = fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap();
+    assert!(
+        table.lines().nth(4).is_some_and(|row| row.starts_with("h/2,h/4,") && row.ends_with(",1e1,5e0")),
+        "{table}"
+    );
+    let document = fs::read_to_string(room.path("runs/warm-ladder/ladder.md")).unwrap();
+    assert!(document.starts_with("# The price of long steps of the heat: Warm\n"), "{document}");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_compares_the_rungs_that_are_complete() {
+    use std::io::{BufRead, BufReader};
+    let room = Room::new();
+    room.write("warm.toml", WARM);
+    let mut process = room.start(&[&LADDER[..], &["--instants", "2", "--set", "time.end=0.1"]].concat());
+    let mut lines = BufReader::new(process.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains("rung 3 of 3")), "the third rung begins");
+    common::signal(&process, "INT");
+    let told: Vec<String> = lines.collect();
+    let said = common::Said::of(&process.wait_with_output().unwrap()).exits(128 + 2);
+    assert!(told.iter().any(|line| line.contains("Stopped by Ctrl-C: 2 of 3 rungs are complete")), "{told:?}");
+    assert!(said.out.contains("against S/2") && !said.out.contains("S/4"), "{}", said.out);
+    let table = fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 2, "{table}");
+}
+
+#[test]
 fn what_has_no_ladder_is_told() {
     let room = Room::new();
     room.write("warm.toml", WARM);

@@ -36,12 +36,12 @@ pub struct Surface {
 }
 
 /// What of an exposure belongs to a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Part {
-    /// Which of the exchanges; none if the particles themselves are held at a temperature.
-    pub exchanges: std::ops::Range<usize>,
-    /// Between centre and surface, K/W.
-    pub resistance: f64,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The particles themselves are held at its temperature.
+    Held,
+    /// One of the exchanges.
+    Exchange(usize),
 }
 
 /// Particles that are watched together.
@@ -164,15 +164,16 @@ impl Surface {
         let (temperature, exposure) = (state.temperature[i], usize::from(state.exposure[i]));
         let Some(part) = self.parts.get(exposure).and_then(Option::as_ref) else { return [temperature, 0.0] };
         let of = &heat.exposures[exposure];
-        if of.temperature.is_some() {
+        match part {
+            Part::Held => [temperature, -state.heat_rate[i]],
             // Who is held exchanges nothing else.
-            return [temperature, if part.exchanges.is_empty() { -state.heat_rate[i] } else { 0.0 }];
+            Part::Exchange(_) if of.temperature.is_some() => [temperature, 0.0],
+            Part::Exchange(place) => {
+                let (exchange, around) = &of.exchanges[*place];
+                let now = plan.heat_time(state.step);
+                let rate = exchange.heat_rate(temperature, &around.at(now, now));
+                [temperature + rate * exchange.resistance, rate]
+            }
         }
-        let now = plan.heat_time(state.step);
-        let exchanges = &of.exchanges[part.exchanges.clone()];
-        let rate = exchanges
-            .iter()
-            .fold(0.0, |sum, (exchange, outside)| sum + exchange.heat_rate(temperature, outside.value(now)));
-        [temperature + rate * part.resistance, rate]
     }
 }

@@ -4,7 +4,7 @@ use crate::plan::{Piece, pieces, value_at};
 use crate::{Fault, Motion, Plan, State};
 use tdem_physics::bond;
 use tdem_physics::heat::warming::grown;
-use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Path};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path};
 
 /// What a plan says of heat.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +22,9 @@ pub struct HeatPlan {
     pub contacts: Path,
     /// How particles may exchange heat with their surroundings; the first entry is [`Exposure::default`], insulated.
     pub exposures: Vec<Exposure>,
+    /// Open sides of a lattice at which particles of each exposure lie, a bit for each side, `(exposures)`. Bonds of two
+    /// particles at one side conduct as [`Link::within_side`] says. Empty where nothing is known of sides.
+    pub sides: Vec<u8>,
     /// Temperatures of walls, K, over the time of the heat, `(walls)`; `None` is insulated.
     pub walls: Vec<Option<Course>>,
     /// What particles do while heat goes on.
@@ -67,9 +70,67 @@ impl Course {
 pub struct Exposure {
     /// Its temperature over the time of the heat, K, if that is prescribed; then the exchanges do nothing.
     pub temperature: Option<Course>,
-    /// What goes through its surface, added up in this order: how, and the outside value (K or W/m²) over the time of the
-    /// heat.
-    pub exchanges: Vec<(Exchange<f64>, Course)>,
+    /// What goes through its surfaces, one exchange for each, added up in this order.
+    pub exchanges: Vec<(Exchange<f64>, Around)>,
+}
+
+/// What is outside of a surface, over the time of the heat; what is absent does nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Around {
+    /// Heat that enters, W/m².
+    pub flux: Option<Course>,
+    /// Temperature of the fluid, or what the surface is held at, K.
+    pub fluid: Option<Course>,
+    /// Temperature of what it exchanges radiation with, K.
+    pub surroundings: Option<Course>,
+}
+
+impl Around {
+    /// Nothing but a flux, W/m².
+    #[must_use]
+    pub fn flux(course: Course) -> Self {
+        Around { flux: Some(course), ..Around::default() }
+    }
+    /// Nothing but a fluid, or a temperature that the surface is held at, K.
+    #[must_use]
+    pub fn fluid(course: Course) -> Self {
+        Around { fluid: Some(course), ..Around::default() }
+    }
+    /// Nothing but what it exchanges radiation with, K.
+    #[must_use]
+    pub fn surroundings(course: Course) -> Self {
+        Around { surroundings: Some(course), ..Around::default() }
+    }
+    /// What is outside: the flux of one time, and the temperatures of another.
+    #[must_use]
+    pub fn at(&self, flux: f64, temperatures: f64) -> Outside<f64> {
+        let value = |course: &Option<Course>, time| course.as_ref().map_or(0.0, |course| course.value(time));
+        Outside {
+            flux: value(&self.flux, flux),
+            fluid: value(&self.fluid, temperatures),
+            surroundings: value(&self.surroundings, temperatures),
+        }
+    }
+    /// All that is there.
+    pub fn courses(&self) -> impl Iterator<Item = &Course> {
+        self.flux.iter().chain(self.temperatures())
+    }
+    /// Those of temperatures.
+    pub fn temperatures(&self) -> impl Iterator<Item = &Course> {
+        self.fluid.iter().chain(&self.surroundings)
+    }
+}
+
+impl Exposure {
+    /// All courses that it has.
+    pub fn courses(&self) -> impl Iterator<Item = &Course> {
+        self.temperature.iter().chain(self.exchanges.iter().flat_map(|(_, around)| around.courses()))
+    }
+    /// Outside values of its exchanges in a step; none where the temperature is prescribed.
+    pub(crate) fn outside(&self, flux: f64, temperatures: f64) -> Vec<Outside<f64>> {
+        let acting = if self.temperature.is_some() { &[][..] } else { &self.exchanges };
+        acting.iter().map(|(_, around)| around.at(flux, temperatures)).collect()
+    }
 }
 
 /// Columns of [`State::heat_accounts`], each summed over all steps, J.
@@ -108,9 +169,18 @@ impl HeatPlan {
     pub fn makes_heat(&self) -> bool {
         self.dissipation != Dissipation::default()
     }
-    /// Whether any exposure lets heat in or out.
+    /// Whether anything depends on exposures.
     pub(crate) fn exposes(&self) -> bool {
-        self.exposures.iter().any(|exposure| *exposure != Exposure::default())
+        self.bounds() || self.exposures.iter().any(|exposure| *exposure != Exposure::default())
+    }
+    /// Whether any particles lie at open sides.
+    pub(crate) fn bounds(&self) -> bool {
+        !self.sides.is_empty()
+    }
+    /// Whether particles of two exposures lie at one open side.
+    #[must_use]
+    pub fn at_one_side(&self, exposures: [u16; 2]) -> bool {
+        self.bounds() && self.sides[usize::from(exposures[0])] & self.sides[usize::from(exposures[1])] != 0
     }
     /// Whether any material grows.
     #[must_use]
@@ -133,9 +203,7 @@ impl HeatPlan {
         let exchanges = || self.exposures.iter().flat_map(|exposure| &exposure.exchanges);
         let prescribed = self.exposures.iter().filter_map(|exposure| exposure.temperature.as_ref());
         let positive = |number: f64| number.is_finite() && number > 0.0;
-        let courses = self.exposures.iter().flat_map(|exposure| {
-            exposure.temperature.iter().chain(exposure.exchanges.iter().map(|(_, outside)| outside))
-        });
+        let courses = self.exposures.iter().flat_map(Exposure::courses);
         let part = |number: f64| (0.0..=1.0).contains(&number);
         positive(self.time_scale)
             && part(self.dissipation.friction)
@@ -145,13 +213,16 @@ impl HeatPlan {
             && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
             && self.conductors.len() == plan.materials * plan.materials
             && self.conductors.iter().all(|c| not_negative(c.conductivity) && not_negative(c.section))
-            && exchanges().all(|(Exchange { flux_area, conductance, radiation, resistance }, outside)| {
-                // Only a flux may be negative.
+            && exchanges().all(|(Exchange { flux_area, conductance, radiation, resistance }, around)| {
                 [flux_area, conductance, radiation, resistance].iter().all(|&&number| not_negative(number))
-                    && (*flux_area > 0.0 && *conductance == 0.0 && *radiation == 0.0 || warm(outside))
+                    // What is absent is at absolute zero, and nothing may be exchanged with that.
+                    && (*conductance == 0.0 || around.fluid.is_some())
+                    && (*radiation == 0.0 || around.surroundings.is_some())
+                    && around.temperatures().all(warm)
             })
             && prescribed.chain(self.walls.iter().flatten()).all(warm)
             && self.exposures.first() == Some(&Exposure::default())
+            && (self.sides.is_empty() || self.sides.len() == self.exposures.len())
             && self.walls.len() == plan.walls.len()
             && courses.chain(self.walls.iter().flatten()).all(Course::is_sound)
     }
@@ -214,7 +285,7 @@ impl State {
         shrunk
     }
 
-    /// What a bond is to heat, from indices of particles; `None` without heat.
+    /// What a bond is to heat, from indices of particles, wherever these lie; `None` without heat.
     pub(crate) fn link(&self, plan: &Plan, first: usize, second: usize) -> Option<Link<f64>> {
         let heat = plan.heat.as_ref()?;
         let materials = [first, second].map(|index| self.material[index]);

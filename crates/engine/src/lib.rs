@@ -38,7 +38,7 @@ pub use device::Device;
 pub use evaluate::{Evaluated, EvaluatedBond};
 pub use fault::Fault;
 pub use gauge::{Gauge, Group, Measure, Part as SurfacePart, Reading, Surface};
-pub use heat::{Course, Exposure, HeatPlan, Thermal, heat_accounts};
+pub use heat::{Around, Course, Exposure, HeatPlan, Thermal, heat_accounts};
 pub use ledger::{HeatLedger, Ledger};
 pub use motion::{Motion, Relaxation, Scheme};
 pub use plan::{Constraint, Domain, Driven, Integrator, Plan, Ramp, Search, Wall};

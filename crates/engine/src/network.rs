@@ -81,7 +81,10 @@ impl Network {
         let bonds = edges(&state.bonds, |bond| {
             let (i, j) = (index(bond.first), index(bond.second));
             let offset = state.bonded_offset(plan, i, j);
-            let conductance = state.link(plan, i, j)?.conductance(offset.dot(offset).sqrt());
+            let link = state.link(plan, i, j)?;
+            let within = heat.at_one_side([i, j].map(|index| state.exposure[index]));
+            let link = if within { link.within_side() } else { link };
+            let conductance = link.conductance(offset.dot(offset).sqrt());
             bond.holds().then_some(Edge { ends: [i as u32, j as u32], conductance })
         });
         let at_walls = state.wall_contacts.iter().filter_map(|contact| {
@@ -112,7 +115,7 @@ impl Network {
         let exposure = usize::from(exposure);
         let from_walls = self.walls.flow(particle, temperature, &around.walls);
         let exchanges = heat.exposures[exposure].exchanges.iter().zip(&around.outside[exposure]);
-        exchanges.fold(from_walls, |sum, ((exchange, _), &outside)| sum + exchange.heat_rate(temperature, outside))
+        exchanges.fold(from_walls, |sum, ((exchange, _), outside)| sum + exchange.heat_rate(temperature, outside))
     }
     /// How much less comes in from walls and through the surface per kelvin of a particle, W/K.
     fn sensitivity(
@@ -125,7 +128,7 @@ impl Network {
     ) -> f64 {
         let exposure = usize::from(exposure);
         let exchanges = heat.exposures[exposure].exchanges.iter().zip(&around.outside[exposure]);
-        exchanges.fold(self.walls.sum(particle), |sum, ((exchange, _), &outside)| {
+        exchanges.fold(self.walls.sum(particle), |sum, ((exchange, _), outside)| {
             sum + exchange.sensitivity(temperature, outside)
         })
     }

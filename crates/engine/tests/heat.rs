@@ -4,15 +4,17 @@ mod common;
 
 use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, free_space, lattice};
 use common::heated::{
-    EXPANSION, REFERENCE, SPECIFIC_HEAT, after, constant, heat_of, heated, held_chain, keep_books, warm_block,
-    warm_cloud,
+    EXPANSION, REFERENCE, SPECIFIC_HEAT, after, constant, frozen, heat_of, heated, heated_block, held_chain,
+    keep_books, warm_block, warm_cloud,
 };
 use common::{DENSITY, spheres};
 use tdem_engine::cpu::{List, Options, Width};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::surface::surface_conductance;
 use tdem_engine::physics::heat::{Exchange, Path};
-use tdem_engine::{Constraint, Course, Exposure, Fault, Integrator, Plan, Simulation, State, heat_accounts};
+use tdem_engine::{
+    Around, Constraint, Course, Exposure, Fault, Integrator, Plan, Scheme, Simulation, State, heat_accounts,
+};
 
 /// Heat in all particles, with what is under way into the next step, J.
 fn stored(state: &State, plan: &Plan) -> f64 {
@@ -74,11 +76,62 @@ fn prescribed_ends_give_a_straight_line_and_what_goes_in_comes_out() {
 }
 
 #[test]
+fn open_sides_conduct_like_the_inside() {
+    let (mut state, mut plan) = heated_block();
+    let heat = heat_of(&mut plan);
+    heat.materials[1] = heat.materials[0];
+    let conductor = heat.conductors[0];
+    heat.conductors.fill(conductor);
+    heat.exposures = vec![Exposure::default(); 16];
+    heat.sides = (0..16).collect();
+    let n = state.len();
+    let ends = [0, 1, 2].map(|k| {
+        let places = || state.position.iter().map(|place| place[k]);
+        [places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max)]
+    });
+    let near = |place: f64, end: f64| (place - end).abs() < 0.1 * RADIUS;
+    let at = |i: usize| {
+        let place = state.position[i];
+        [0, 1].map(|k| ends[k].map(|end| near(place[k], end)))
+    };
+    let bits = |i: usize| at(i).as_flattened().iter().rev().fold(0, |bits, &there| 2 * bits + u16::from(there));
+    let exposure: Vec<u16> = (0..n).map(bits).collect();
+    // Where T grows with the square of the height, all that have neighbours above and below gain alike.
+    let warmth = |i: usize| {
+        10.0 * ((state.position[i][2] - ends[2][0]) / RADIUS) * ((state.position[i][2] - ends[2][0]) / RADIUS)
+    };
+    let temperature: Vec<f64> = (0..n).map(|i| REFERENCE + warmth(i)).collect();
+    let kind = |i: usize| match (ends[2].iter().any(|&end| near(state.position[i][2], end)), exposure[i].count_ones()) {
+        (true, _) => None,
+        (false, sides) => Some(sides as usize),
+    };
+    let kinds: Vec<Option<usize>> = (0..n).map(kind).collect();
+    (state.temperature, state.exposure) = (temperature, exposure);
+    let moving = after(&state, &plan, Options::default(), 0);
+    let frozen = after(&state, &frozen(&plan, Scheme::Explicit, 1.0), Options::default(), 0);
+    for end in [moving, frozen] {
+        let rates =
+            |sides: usize| (0..n).filter(|&i| kinds[i] == Some(sides)).map(|i| end.heat_rate[i]).collect::<Vec<_>>();
+        let inside = rates(0)[0];
+        assert!(inside > 0.0 && rates(1).len() > 10 && !rates(2).is_empty());
+        for (sides, part) in [(0, 1.0), (1, 1.0), (2, 0.75)] {
+            assert!(
+                rates(sides).iter().all(|rate| (rate / inside / part - 1.0).abs() < 1e-9),
+                "{sides}: {:?}",
+                rates(sides)
+            );
+        }
+    }
+}
+
+#[test]
 fn a_lump_cools_through_its_surface() {
     let (mut state, mut plan, _) = held_chain(1);
     let conductance = surface_conductance(1e-4, 0.0, 1.5, 10.0);
     let exchange = Exchange { flux_area: 0.0, conductance, radiation: 0.0, resistance: 0.0 };
-    heat_of(&mut plan).exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, constant(300.0))] });
+    heat_of(&mut plan)
+        .exposures
+        .push(Exposure { temperature: None, exchanges: vec![(exchange, Around::fluid(constant(300.0)))] });
     (state.exposure[0], state.temperature[0]) = (1, 500.0);
     let end = after(&state, &plan, Options::default(), 1000);
     let factor = 1.0 - plan.heat_step() * conductance / (state.mass[0] * SPECIFIC_HEAT);
@@ -189,10 +242,16 @@ fn what_cannot_be_is_refused() {
     for (conductance, outside) in [(-1.0, 300.0), (1.0, -3.0), (f64::INFINITY, 300.0)] {
         let exchange = Exchange { flux_area: 0.0, conductance, radiation: 0.0, resistance: 0.0 };
         let mut wrong = plan.clone();
-        let exchanges = vec![(exchange, constant(outside))];
+        let exchanges = vec![(exchange, Around::fluid(constant(outside)))];
         heat_of(&mut wrong).exposures.push(Exposure { temperature: None, exchanges });
         assert!(refused(&state, &wrong), "{conductance} {outside}");
     }
+    // Nothing is outside of what radiates.
+    let mut nowhere = plan.clone();
+    let exchange = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 5e-12, resistance: 0.0 };
+    let exchanges = vec![(exchange, Around::fluid(constant(300.0)))];
+    heat_of(&mut nowhere).exposures.push(Exposure { temperature: None, exchanges });
+    assert!(refused(&state, &nowhere));
     let mut icy = plan.clone();
     heat_of(&mut icy).exposures.push(Exposure { temperature: Some(constant(0.0)), exchanges: Vec::new() });
     assert!(refused(&state, &icy));

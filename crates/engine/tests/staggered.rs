@@ -4,15 +4,16 @@ mod common;
 
 use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, chain, cracking_block, free_space};
 use common::heated::{
-    EXPANSION, NONE, REFERENCE, SPECIFIC_HEAT, after, constant, frozen, heat_of, heated, heated_block, held_chain,
-    in_turns, warm_cloud,
+    EXPANSION, NONE, REFERENCE, SPECIFIC_HEAT, after, constant, frozen, furnace, heat_of, heated, heated_block,
+    held_chain, in_turns, warm_cloud,
 };
 use common::random;
 use tdem_engine::cpu::Options;
 use tdem_engine::physics::heat::Exchange;
 use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
 use tdem_engine::{
-    Course, Exposure, Fault, Integrator, Ledger, Motion, Plan, Relaxation, Scheme, Simulation, State, heat_accounts,
+    Around, Course, Exposure, Fault, Integrator, Ledger, Motion, Plan, Relaxation, Scheme, Simulation, State,
+    heat_accounts,
 };
 
 fn threads(threads: usize) -> Options {
@@ -66,8 +67,8 @@ fn still_block() -> (State, Plan) {
     heat.exposures.push(Exposure {
         temperature: None,
         exchanges: vec![
-            (warm, Course(vec![[0.0, 1e5], [100.0, 4e5]])),
-            (glow, Course(vec![[0.0, 900.0], [50.0, 600.0]])),
+            (warm, Around::flux(Course(vec![[0.0, 1e5], [100.0, 4e5]]))),
+            (glow, furnace(Course(vec![[0.0, 900.0], [50.0, 600.0]]))),
         ],
     });
     heat.exposures
@@ -212,7 +213,9 @@ fn a_glowing_lump_cools_as_it_should() {
     let (mut state, mut plan, _) = held_chain(1);
     let (area, emissivity) = (3e-4, 0.9);
     let exchange = Exchange { radiation: emissivity * STEFAN_BOLTZMANN * area, ..NONE };
-    heat_of(&mut plan).exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, constant(1e-3))] });
+    heat_of(&mut plan)
+        .exposures
+        .push(Exposure { temperature: None, exchanges: vec![(exchange, Around::surroundings(constant(1e-3)))] });
     (state.exposure[0], state.temperature[0]) = (1, 1200.0);
     let capacity = state.mass[0] * SPECIFIC_HEAT;
     // Into the cold: T^-3 grows by 3 eps sigma A t / C.
@@ -236,7 +239,9 @@ fn outside_values_that_change_evenly_are_followed_without_lag() {
     let film = surface_conductance(1e-4, 0.0, 1.5, 10.0);
     let ramp = |start: f64| Course(vec![[0.0, start], [1e6, start + 2e6]]);
     let exchange = Exchange { conductance: film, ..NONE };
-    heat_of(&mut plan).exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, ramp(4000.0))] });
+    heat_of(&mut plan)
+        .exposures
+        .push(Exposure { temperature: None, exchanges: vec![(exchange, Around::fluid(ramp(4000.0)))] });
     let lag = 2.0 * state.mass[0] * SPECIFIC_HEAT / film;
     (state.exposure[0], state.temperature[0]) = (1, 4000.0 - lag);
     let step = state.mass[0] * SPECIFIC_HEAT / film * 20.0;
@@ -247,7 +252,7 @@ fn outside_values_that_change_evenly_are_followed_without_lag() {
 
     // A flux that grows evenly brings its integral, in one step as well.
     let exchange = Exchange { flux_area: 1e-4, ..NONE };
-    heat_of(&mut plan).exposures[1].exchanges = vec![(exchange, Course(vec![[0.0, 0.0], [1e3, 1e4]]))];
+    heat_of(&mut plan).exposures[1].exchanges = vec![(exchange, Around::flux(Course(vec![[0.0, 0.0], [1e3, 1e4]])))];
     state.temperature[0] = 300.0;
     let end = after(&state, &frozen(&plan, Scheme::Implicit, 100.0), Options::default(), 3);
     let expected = 300.0 + 1e-4 * 0.5 * 10.0 * 300.0 * 300.0 / (state.mass[0] * SPECIFIC_HEAT);
@@ -342,7 +347,9 @@ fn what_means_nothing_is_refused() {
 fn temperatures_below_zero_are_a_fault_of_the_step() {
     let (mut state, mut plan, _) = held_chain(1);
     let exchange = Exchange { flux_area: 1.0, ..NONE };
-    heat_of(&mut plan).exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, constant(-1e4))] });
+    heat_of(&mut plan)
+        .exposures
+        .push(Exposure { temperature: None, exchanges: vec![(exchange, Around::flux(constant(-1e4)))] });
     state.exposure[0] = 1;
     for scheme in [Scheme::Explicit, Scheme::Implicit] {
         let plan = frozen(&plan, scheme, 1.0);

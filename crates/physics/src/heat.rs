@@ -31,4 +31,4 @@ pub mod warming;
 
 pub use conduction::{Conductor, Link, Path};
 pub use dissipation::Dissipation;
-pub use surface::Exchange;
+pub use surface::{Exchange, Outside};

@@ -41,7 +41,8 @@ pub use formulas::{
 };
 pub use heat::{
     AtWall, BetweenSpheres, ForeignAtEnd, FreeStrain, Grown, HeatFlow, ImplicitBalance, ImplicitHeld, LinkBetween,
-    LinkConductance, LongestStep, ResidualSquares, SurfaceHeat, SurfaceSensitivity, ThermalSquare, Warmed,
+    LinkConductance, LinkWithinSide, LongestStep, ResidualSquares, SurfaceHeat, SurfaceSensitivity, ThermalSquare,
+    Warmed,
 };
 pub use heat_of_motion::{
     DissipatedHeat, ElasticAtWall, ElasticBetweenSpheres, ExpansionWorkOfBond, ExpansionWorkOfContacts, HalfStepOfWork,
@@ -53,7 +54,7 @@ use crate::bond::{
     self, Advance, Bond, Cement, Coefficients, Form, History, Joint, Modes, Posture, Reaction, Rest, Stress,
 };
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
-use crate::heat::{Conductor, Dissipation, Exchange, Link, Path};
+use crate::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
 use crate::real::{CFunction, Symbol};
@@ -229,6 +230,7 @@ pub fn heat_types() -> String {
         Conductor::<Symbol>::definition(),
         Link::<Symbol>::definition(),
         Exchange::<Symbol>::definition(),
+        Outside::<Symbol>::definition(),
         Dissipation::<Symbol>::definition(),
     ]
     .concat()
@@ -242,6 +244,7 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&AtWall { path }),
         entry(&HeatFlow),
         entry(&LinkBetween),
+        entry(&LinkWithinSide),
         entry(&LinkConductance),
         entry(&FreeStrain),
         entry(&SurfaceHeat),
@@ -280,10 +283,10 @@ pub fn network_functions() -> Vec<(&'static str, CFunction)> {
     ]
 }
 
-/// The struct and the functions of [`network_functions`] in one text, which needs nothing of [`source`].
+/// The structs and the functions of [`network_functions`] in one text, which needs nothing of [`source`].
 #[must_use]
 pub fn network_source() -> String {
-    let types = Exchange::<Symbol>::definition();
+    let types = [Exchange::<Symbol>::definition(), Outside::<Symbol>::definition()].concat();
     network_functions().into_iter().fold(types, |text, (_, function)| text + "\n" + &function.text)
 }
 

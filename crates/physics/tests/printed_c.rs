@@ -12,7 +12,7 @@ use tdem_physics::bond::{
 use tdem_physics::contact::{
     Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
-use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Path as HeatPath};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path as HeatPath};
 use tdem_physics::motion::gear::Trajectory;
 use tdem_physics::motion::orientation::Quaternion;
 use tdem_physics::print::{self, Formula, Parameter, Parameters};
@@ -228,6 +228,7 @@ fn heat_has_the_bits_of_the_law() {
         let (radii, expansions) = ([rng.size(-9, -2), rng.size(-9, -2)], [rng.size(-20, -10), rng.size(-20, -10)]);
         (rng.conductor(), radii, expansions)
     });
+    alone(print::LinkWithinSide, |rng| (rng.link(),));
     alone(print::LinkConductance, |rng| (rng.link(), rng.size(-8, -2)));
     alone(print::FreeStrain, |rng| (rng.link(), rng.number(-3, 11), rng.number(-3, 11)));
     let surroundings = |rng: &mut Rng| {
@@ -236,7 +237,8 @@ fn heat_has_the_bits_of_the_law() {
                 0 => 0.0,
                 _ => rng.size(low, high),
             });
-        (Exchange { flux_area, conductance, radiation, resistance }, rng.size(7, 11), rng.size(7, 11))
+        let outside = Outside { flux: rng.number(-3, 20), fluid: rng.size(7, 11), surroundings: rng.size(7, 11) };
+        (Exchange { flux_area, conductance, radiation, resistance }, rng.size(7, 11), outside)
     };
     alone(print::SurfaceHeat, surroundings);
     alone(print::SurfaceSensitivity, surroundings);

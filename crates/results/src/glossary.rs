@@ -209,7 +209,9 @@ pub(crate) static PARTICLES: &[Quantity<OfParticles>] = &[
     id("id", "persistent id", |s| integers(&s.state.id)),
     real("radius", "m", "radius", |s| borrowed(&s.state.radius)),
     integer("material", "index of the material", |s| integers(&s.state.material)),
-    real("mass", "kg", "mass", |s| borrowed(&s.state.mass)),
+    real("mass", "kg", "mass with which it moves: its own times `time.mass_scaling` of the case", |s| {
+        borrowed(&s.state.mass)
+    }),
     vector("velocity", "m/s", "velocity", |s| flat(&s.state.velocity)),
     vector("angular_velocity", "rad/s", "angular velocity", |s| flat(&s.state.angular_velocity)),
     vector("force", "N", "resultant force, gravity included", |s| flat(&s.state.force)),
@@ -319,8 +321,12 @@ pub(crate) static WALLS: &[Quantity<OfWalls>] = &[
 pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     id("step", "number of steps done", |r| count(r.step)),
     real("time", "s", "time", |r| one(r.time)),
-    real("kinetic_translation", "J", "kinetic energy of translation", |r| one(r.ledger.kinetic_translation)),
-    real("kinetic_rotation", "J", "kinetic energy of rotation", |r| one(r.ledger.kinetic_rotation)),
+    real("kinetic_translation", "J", "kinetic energy of translation, of the masses that move", |r| {
+        one(r.ledger.kinetic_translation)
+    }),
+    real("kinetic_rotation", "J", "kinetic energy of rotation, of the masses that move", |r| {
+        one(r.ledger.kinetic_rotation)
+    }),
     real("elastic_normal", "J", "energy stored in normal springs", |r| one(r.ledger.elastic_normal)),
     real("elastic_tangential", "J", "energy stored in tangential springs", |r| one(r.ledger.elastic_tangential)),
     real("gravitational", "J", "potential energy of gravity", |r| one(r.ledger.gravitational)),

@@ -97,6 +97,7 @@ fn the_log_says_where_heat_went_on_before_particles_were_at_rest() {
         conductors: vec![Conductor { conductivity: 1.5, section: 0.35 }],
         contacts: Path::Bar,
         exposures: vec![Exposure::default()],
+        sides: Vec::new(),
         walls: vec![None; plan.walls.len()],
         motion: Motion::QuasiStatic(relaxation),
     });

@@ -7,6 +7,9 @@
 //! halves from rung to rung (first order), the first of the two is off by $2d$ and the second by $d$ from a run without
 //! acceleration.
 //!
+//! Heat that advances by itself, alone or in turns with the motion, has no such scale; what it costs is the length of its steps.
+//! The rungs of such a case have steps of $h$, $h/2$, $h/4$, ... for the same time.
+//!
 //! [`rungs()`] makes the rungs of a case, [`climb()`] runs and compares them. What compares does not ask how rungs came about.
 
 mod climb;
@@ -15,7 +18,7 @@ mod rung;
 
 pub use climb::{Ladder, Outcome, Progress, climb, kept_bytes, step_seconds};
 pub use compare::{Difference, Pair, Spread};
-pub use rung::{Rung, rungs};
+pub use rung::{Halved, Rung, rungs};
 
 use std::fmt;
 use tdem_case::Problems;
@@ -50,7 +53,7 @@ pub enum Error {
         /// What it is.
         what: Follower,
     },
-    /// The case cannot be built at this time scale.
+    /// The case cannot be built at this time scale, or with this step.
     #[error("the rung {label} is refused: {problems}")]
     Refused {
         /// Of the rung.
@@ -58,7 +61,7 @@ pub enum Error {
         /// Why.
         problems: Problems,
     },
-    /// A duration that cannot be written down.
+    /// A duration or a step that cannot be written down.
     #[error("a rung would take a time that is no time: {0}")]
     OutOfRange(#[from] OutOfRange),
     /// Rungs are not of one case.

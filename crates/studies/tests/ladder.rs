@@ -1,10 +1,11 @@
 //! Rungs of a small block that is heated from above: what differs shrinks with the acceleration.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 use tdem_case::{Loaded, NoRuns, parse};
 use tdem_engine::{Fault, Plan, Simulation, State, cpu};
-use tdem_studies::ladder::{Error, Follower, Ladder, Pair, climb, rungs, step_seconds};
+use tdem_studies::ladder::{Error, Follower, Halved, Ladder, Pair, Rung, climb, rungs, step_seconds};
 
 /// 108 spheres on a lattice; the lowest layer is held, and the top follows a course.
 const BLOCK: &str = r#"
@@ -71,7 +72,7 @@ fn start(state: State, plan: Plan) -> Result<Simulation, Fault> {
 
 fn ladder(set: &[(&str, &str)], parts: u32) -> Ladder {
     let rungs = rungs(&case_of(BLOCK, set), 3, &NoRuns).expect("the case has a ladder");
-    climb(rungs, parts, start, &mut |_| {}).expect("nothing goes wrong")
+    climb(rungs, parts, start, &mut |_| ControlFlow::Continue(())).expect("nothing goes wrong")
 }
 
 fn refusal(text: &str, count: u32) -> Error {
@@ -128,6 +129,46 @@ fn a_time_scale_is_halved_where_a_duration_is_spread() {
     assert_eq!(by_duration, by_scale);
 }
 
+/// The block with heat that advances by itself, 200 s of it in steps of 50 s.
+fn by_itself(motion: &str) -> Ladder {
+    let heat = format!("motion = \"{motion}\"\nstep = 50.0");
+    let text = BLOCK.replace("duration = 1000.0", &heat).replace("end = 2e-3", "end = 200.0");
+    let rungs = rungs(&case_of(&text, &[]), 3, &NoRuns).expect("the case has a ladder");
+    assert_eq!(rungs.iter().map(Rung::value).collect::<Vec<f64>>(), [50.0, 25.0, 12.5]);
+    climb(rungs, 4, start, &mut |_| ControlFlow::Continue(())).expect("nothing goes wrong")
+}
+
+#[test]
+fn heat_by_itself_goes_in_shorter_steps() {
+    for motion in ["frozen", "quasi-static"] {
+        let ladder = by_itself(motion);
+        assert_eq!(ladder.halved, Halved::HeatStep);
+        assert_eq!(ladder.rungs.iter().map(|rung| rung.label.as_str()).collect::<Vec<_>>(), ["h", "h/2", "h/4"]);
+        assert_eq!(ladder.rungs.iter().map(|rung| rung.steps).collect::<Vec<u64>>(), [4, 8, 16]);
+        let [before, after] = &ladder.pairs[..] else { panic!("three rungs are two pairs") };
+        let times: Vec<f64> = after.differences.iter().map(|found| found.heat_time).collect();
+        assert_eq!(times, [50.0, 100.0, 150.0, 200.0]);
+        // The backward rule of Euler, in steps as long as heat needs from layer to layer.
+        let order = after.order(before, 3, |found| found.temperature.rms).expect("temperatures differ");
+        assert!((0.7..1.2).contains(&order), "{motion}: {order}");
+        let stress = after.differences[3].stress_size;
+        assert!(if motion == "frozen" { stress == 0.0 } else { stress > 0.0 }, "{motion}: {stress}");
+    }
+}
+
+#[test]
+fn a_ladder_that_is_ended_keeps_the_rungs_that_are_complete() {
+    let complete = ladder(&[], 4);
+    let rungs = rungs(&case_of(BLOCK, &[]), 3, &NoRuns).expect("the case has a ladder");
+    let ended = climb(rungs, 4, start, &mut |progress| match progress.rung {
+        2 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    });
+    let ended = ended.expect("nothing goes wrong");
+    assert_eq!(ended.rungs.len(), 2);
+    assert_eq!(ended.pairs[..], complete.pairs[..1]);
+}
+
 #[test]
 fn a_case_without_acceleration_is_refused() {
     let starter = tdem_case::starter("cold");
@@ -161,7 +202,7 @@ fn rungs_of_two_cases_are_not_compared() {
         rungs(&case_of(BLOCK, &set), 2, &NoRuns).expect("the case has a ladder")
     };
     let mixed = [two("[3, 3, 3]"), two("[3, 3, 2]")].map(|rungs| rungs.into_iter().next().expect("there are two"));
-    assert_eq!(climb(mixed.into(), 2, start, &mut |_| {}), Err(Error::Different));
+    assert_eq!(climb(mixed.into(), 2, start, &mut |_| ControlFlow::Continue(())), Err(Error::Different));
 }
 
 #[test]
@@ -169,8 +210,11 @@ fn how_it_goes_is_told_from_the_first_step_to_the_last() {
     let rungs = rungs(&case_of(BLOCK, &[]), 2, &NoRuns).expect("the case has a ladder");
     assert!(step_seconds(&rungs[0], Duration::from_millis(20), start).expect("steps can be taken") > 0.0);
     let mut seen: Vec<(usize, u64, u64)> = Vec::new();
-    climb(rungs, 2, start, &mut |progress| seen.push((progress.rung, progress.done, progress.steps)))
-        .expect("nothing goes wrong");
+    climb(rungs, 2, start, &mut |progress| {
+        seen.push((progress.rung, progress.done, progress.steps));
+        ControlFlow::Continue(())
+    })
+    .expect("nothing goes wrong");
     assert!(seen.is_sorted() && seen.first().is_some_and(|first| first.0 == 0), "{seen:?}");
     assert!(seen.last().is_some_and(|&(rung, done, steps)| rung == 1 && done == steps), "{seen:?}");
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{Form, Tension};
-use tdem_engine::physics::heat::Path;
-use tdem_engine::{BondPlan, Integrator, Plan};
+use tdem_engine::physics::heat::{Exchange, Path};
+use tdem_engine::{Around, BondPlan, HeatPlan, Integrator, Plan};
 use tdem_studies::verify::{Backend, Outcome, Tier, catalogue, markdown, run, run_altered, table};
 
 fn spec(backend: Backend) -> Vec<Outcome> {
@@ -191,6 +191,23 @@ macro_rules! wrong_heat {
     };
 }
 
+/// Takes a film off each exchange that radiates, and puts one of the same conductance beside it.
+fn two_surfaces(heat: &mut HeatPlan) {
+    for exposure in &mut heat.exposures {
+        let radiating = exposure.exchanges.iter().filter(|(exchange, _)| exchange.radiation > 0.0);
+        let films: Vec<_> = radiating
+            .map(|(exchange, around)| {
+                let film = Exchange { flux_area: 0.0, radiation: 0.0, ..*exchange };
+                (film, Around { fluid: around.fluid.clone(), ..Around::default() })
+            })
+            .collect();
+        for (exchange, around) in exposure.exchanges.iter_mut().filter(|(exchange, _)| exchange.radiation > 0.0) {
+            (exchange.conductance, around.fluid) = (0.0, None);
+        }
+        exposure.exchanges.extend(films);
+    }
+}
+
 #[test]
 fn wrong_heat_is_caught() {
     type Wrong = (&'static str, fn(&mut Plan));
@@ -212,7 +229,7 @@ fn wrong_heat_is_caught() {
         exchanges.for_each(|(exchange, _)| exchange.flux_area *= 1.01);
     });
     let softer: fn(&mut Plan) = wrong_bond!(|joint| joint.stiffness_per_area *= 0.99);
-    let wrong: [Wrong; 40] = [
+    let wrong: [Wrong; 44] = [
         ("thermal/two-particles", conducts),
         ("thermal/two-particles", stores),
         ("thermal/chain-steady", conducts),
@@ -235,6 +252,11 @@ fn wrong_heat_is_caught() {
         ("thermal/lumped-cooling", stores),
         ("thermal/radiation", exchanges),
         ("thermal/radiation", stores),
+        ("thermal/one-surface", conducts),
+        ("thermal/one-surface", exchanges),
+        ("thermal/one-surface", flows_in),
+        // The fluid at a surface of its own, as if it did not cool the one that radiates.
+        ("thermal/one-surface", wrong_heat!(|heat| two_surfaces(heat))),
         ("thermal/semi-infinite", conducts),
         // The surface a third of a layer above the first layer instead of half of one.
         ("thermal/semi-infinite", deeper),

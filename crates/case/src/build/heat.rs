@@ -5,6 +5,7 @@ pub(super) mod quasi_static;
 mod surface;
 
 pub(crate) use conductance::Warming;
+use surface::Exposed;
 pub(super) use surface::Surfaces;
 
 use super::Context;
@@ -35,7 +36,7 @@ pub(super) fn of(
             if known > 0.0 && case.particles[usize::from(group)].temperature.is_none() { known } else { initial(group) }
         })
         .collect();
-    let (exposures, surfaces) = surface::expose(context, heat, draft, zones, problems);
+    let (Exposed { exposures, sides }, surfaces) = surface::expose(context, heat, draft, zones, problems);
     let materials = context.materials.len();
     let conductivity = |k: usize| context.materials.thermal[k].conductivity;
     let section = FRAC_PI_4 * (heat.bar_radius() * heat.bar_radius());
@@ -58,6 +59,7 @@ pub(super) fn of(
             ContactPath::Closed => Path::Closed,
         },
         exposures,
+        sides,
         walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
         motion: Motion::Stepped,
         dissipation: Dissipation {
@@ -104,11 +106,12 @@ impl Conducting {
     pub(crate) const NOTHING: Conducting =
         Conducting { conductivity: 0.0, thermal: Thermal { specific_heat: 1.0, expansion: 0.0 } };
 
-    pub(crate) fn of(material: &schema::Material) -> Self {
+    /// A material whose mass is so many times the true one where it moves: what it stores stays.
+    pub(crate) fn of(material: &schema::Material, mass_scaling: f64) -> Self {
         Conducting {
             conductivity: material.thermal_conductivity.map_or(0.0, schema::NonNegative::get),
             thermal: Thermal {
-                specific_heat: material.specific_heat.map_or(1.0, schema::Positive::get),
+                specific_heat: material.specific_heat.map_or(1.0, schema::Positive::get) / mass_scaling,
                 expansion: material.thermal_expansion.unwrap_or(0.0),
             },
         }

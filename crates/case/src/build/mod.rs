@@ -20,7 +20,7 @@ pub use run::{NoRuns, RunLoader};
 use crate::limits::{Fastest, Found, StepLimits};
 use crate::load::Loaded;
 use crate::materials::{Materials, law};
-use crate::problem::{Problem, Problems, unless_error};
+use crate::problem::{Problem, Problems, number, unless_error};
 use crate::schedule::{Fields, endless, schedule};
 use crate::schema::{self, Particles, Precision, Region};
 use crate::walls::{Plane, planes};
@@ -181,6 +181,7 @@ impl Loaded {
         plan.gauges = gauges;
         problems.extend(coincident);
         problems.extend(heat::quasi_static::check(&context, &plan, &state));
+        problems.extend(slow_fall(&context, &state));
         problems.extend(endless(self, plan.dt));
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
@@ -204,6 +205,12 @@ impl<'c> Context<'c> {
         let planes = planes(&loaded.case, &loaded.tree, |name| materials.index(name));
         let schema::Domain { min, max, periodic } = loaded.case.domain;
         Context { loaded, materials, planes, domain: Domain { min, max, periodic } }
+    }
+
+    /// Acceleration of what moves, m/s²: weights are those of the true masses.
+    pub(crate) fn gravity(&self) -> [f64; 3] {
+        let case = &self.loaded.case;
+        case.gravity.map(|acceleration| acceleration / case.time.mass_scaling())
     }
 
     /// A region of the case, the domain's bounds where it says nothing.
@@ -259,7 +266,7 @@ impl<'c> Context<'c> {
             bonds: None,
             heat: None,
             walls: self.planes.iter().map(|plane| plane.wall.clone()).collect(),
-            gravity: case.gravity,
+            gravity: self.gravity(),
             constraints,
             ramps: Vec::new(),
             gauges: Vec::new(),
@@ -269,6 +276,26 @@ impl<'c> Context<'c> {
             ledger: case.output.ledger,
         }
     }
+}
+
+/// Heavier particles that are free to fall do so slowly.
+fn slow_fall(context: &Context<'_>, state: &State) -> Option<Problem> {
+    let scaling = context.loaded.case.time.mass_scaling();
+    if scaling == 1.0 || !state.bonds.is_empty() || context.gravity() == [0.0; 3] {
+        return None;
+    }
+    let [place, cause] = [&["time", "mass_scaling"][..], &["gravity"]].map(|path| context.loaded.tree.place(path));
+    let message = format!(
+        "no particles are bonded, and what falls with {} times its mass takes {} times as long",
+        number(scaling),
+        number(scaling.sqrt())
+    );
+    Some(
+        Problem::warning("tdem::case::mass-scaling-falls", message)
+            .at(place, "for states of rest only")
+            .at(cause, "pulls as it does at the true mass")
+            .help("remove it where the way to rest matters"),
+    )
 }
 
 /// The spheres of one group.

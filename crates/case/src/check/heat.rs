@@ -3,8 +3,8 @@
 use super::Checker;
 use crate::materials::RIGID;
 use crate::problem::{Problem, number};
-use crate::schema::{BarRadius, BondForm, ContactPath, Course, Heat, Model, Motion, Scheme, Surface};
-use crate::walls::FACES;
+use crate::schema::{BarRadius, BondForm, ContactPath, Course, Face, Heat, Model, Motion, OpenSides, Scheme, Surface};
+use crate::walls::{FACES, face_name};
 
 /// The law of expansion is one of small strains.
 const LARGEST_STRAIN: f64 = 0.1;
@@ -29,24 +29,8 @@ impl Checker<'_> {
             self.exclusive(&["heat"], "time_scale", "duration");
         }
         self.turns(heat);
+        self.open_sides(heat);
         self.heat_of_motion();
-        if let Some(cells) = heat.open_sides {
-            let place = self.place(&["heat", "open_sides"]);
-            if cells.contains(&0) {
-                self.push(
-                    Problem::error("tdem::case::out-of-range", "a block has at least 1 cell in each direction")
-                        .at(place, "must be at least 1"),
-                );
-            } else if heat.bar_radius != BarRadius::FaceCentred {
-                let cause = self.place(&["heat", "bar_radius"]);
-                self.push(
-                    Problem::error("tdem::case::conflicting-keys", "`open_sides` corrects \"fcc\", not a number")
-                        .at(place, "conflicts")
-                        .at(cause, "with this")
-                        .help("write bar_radius = \"fcc\", or remove `open_sides`"),
-                );
-            }
-        }
         for (k, group) in self.case.particles.iter().enumerate() {
             if let Some(temperature) = group.temperature {
                 self.temperature(heat, temperature, &["particles", &k.to_string(), "temperature"]);
@@ -56,9 +40,63 @@ impl Checker<'_> {
         self.warm_walls(heat);
     }
 
+    fn open_sides(&mut self, heat: &Heat) {
+        let Some(sides) = &heat.open_sides else { return };
+        let place = self.place(&["heat", "open_sides"]);
+        if let OpenSides::Faces(faces) = sides {
+            self.open_faces(faces);
+        }
+        let wrong = match sides {
+            OpenSides::Cells(cells) if cells.contains(&0) => {
+                Some(("a block has at least 1 cell in each direction", "must be at least 1"))
+            }
+            OpenSides::Faces(faces) if faces.is_empty() => {
+                Some(("a block without open sides needs no `open_sides`", "must name at least one side"))
+            }
+            _ => None,
+        };
+        if let Some((message, allowed)) = wrong {
+            self.push(Problem::error("tdem::case::out-of-range", message).at(place, allowed));
+        } else if heat.bar_radius != BarRadius::FaceCentred {
+            let cause = self.place(&["heat", "bar_radius"]);
+            self.push(
+                Problem::error("tdem::case::conflicting-keys", "`open_sides` corrects \"fcc\", not a number")
+                    .at(place, "conflicts")
+                    .at(cause, "with this")
+                    .help("write bar_radius = \"fcc\", or remove `open_sides`"),
+            );
+        }
+    }
+
+    /// Sides must be there.
+    fn open_faces(&mut self, faces: &[Face]) {
+        for face in faces {
+            let across = FACES.iter().find(|known| known.0 == *face).map_or(0, |&(_, axis, _)| axis);
+            if self.case.domain.periodic[across] {
+                let [place, cause] = [["heat", "open_sides"], ["domain", "periodic"]].map(|path| self.place(&path));
+                let message = format!("there is no side in the direction \"{}\", which repeats", face_name(*face));
+                self.push(
+                    Problem::error("tdem::case::surface-across-period", message)
+                        .at(place, "no side")
+                        .at(cause, "repeats")
+                        .help("leave out this side, or do not let this direction repeat"),
+                );
+            }
+        }
+    }
+
     /// Keys that belong to another way through time.
     fn turns(&mut self, heat: &Heat) {
         let scaled = heat.motion == Motion::Scaled;
+        if heat.motion == Motion::Frozen && self.case.time.mass_scaling.is_some() {
+            let [place, cause] = [["time", "mass_scaling"], ["heat", "motion"]].map(|path| self.tree.key_place(&path));
+            self.push(
+                Problem::error("tdem::case::conflicting-keys", "`mass_scaling` has no effect where nothing moves")
+                    .at(place, "has no effect")
+                    .at(cause, "with this")
+                    .help("remove it"),
+            );
+        }
         let idle: &[&str] = match heat.motion {
             Motion::Scaled => &["step", "scheme", "relaxation"],
             Motion::Frozen => &["time_scale", "duration", "relaxation", "from_friction", "from_damping"],

@@ -30,10 +30,12 @@ pub struct Heat {
     /// Radius of the bar over the mean radius of the two particles; or "fcc", with which spheres on that lattice conduct
     /// like the solid.
     pub bar_radius: BarRadius,
-    /// Cells of a block with open sides across the way of the heat, such as [28, 28]: with "fcc", conductances are raised
-    /// by the part that is missing at the sides, 1/(4 n) for each.
+    /// With "fcc", for a block with open sides across the way of the heat, which conduct less: its cells there, such as
+    /// [28, 28], to raise all conductances by the part that is missing, 1/(4 n) for each; or its open sides, such as
+    /// `["-x", "+x", "-y", "+y"]`, to let bonds whose particles both lie at one of them conduct 3/2 times as well, with
+    /// which only its edges conduct less.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub open_sides: Option<[u32; 2]>,
+    pub open_sides: Option<OpenSides>,
     /// What particles do meanwhile: "scaled", they move, and heat goes `time_scale` times as fast; "frozen", nothing moves or
     /// expands, and only heat goes on; "quasi-static", after every step of the heat they move until they are at rest. With
     /// the last two `time.end` is time of the heat.
@@ -76,14 +78,39 @@ impl Heat {
             (None, None) => 1.0,
         }
     }
+    /// Cells of a block with open sides, if bars make up for these.
+    fn cells_across(&self) -> Option<[u32; 2]> {
+        match self.open_sides {
+            Some(OpenSides::Cells(cells)) => Some(cells),
+            Some(OpenSides::Faces(_)) | None => None,
+        }
+    }
+    /// Open sides along which bonds conduct more.
+    #[must_use]
+    pub fn open_faces(&self) -> &[Face] {
+        match &self.open_sides {
+            Some(OpenSides::Faces(faces)) => faces,
+            Some(OpenSides::Cells(_)) | None => &[],
+        }
+    }
     /// Radius of the bar over the mean radius of two particles.
     #[must_use]
     pub fn bar_radius(&self) -> f64 {
         match self.bar_radius {
             BarRadius::Ratio(ratio) => ratio.get(),
-            BarRadius::FaceCentred => tdem_engine::physics::heat::conduction::face_centred_bar(self.open_sides),
+            BarRadius::FaceCentred => tdem_engine::physics::heat::conduction::face_centred_bar(self.cells_across()),
         }
     }
+}
+
+/// Open sides of a block: its cells across, or their directions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum OpenSides {
+    /// Cells in the two directions across the way of the heat.
+    Cells([u32; 2]),
+    /// Directions in which its sides look.
+    Faces(Vec<Face>),
 }
 
 /// What particles do while heat goes on.

@@ -16,7 +16,7 @@ pub use bonds::{BondForm, Bonds, Joint, Micro, Scatter, Solid};
 pub use course::{Course, Measured};
 pub use gauge::{Against, Curve, Gauge};
 pub use heat::{
-    BarRadius, ContactPath, Convection, Depth, Heat, Motion, Radiation, Relaxation, Scale, Scheme, Surface,
+    BarRadius, ContactPath, Convection, Depth, Heat, Motion, OpenSides, Radiation, Relaxation, Scale, Scheme, Surface,
 };
 pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
@@ -174,6 +174,19 @@ pub struct Time {
     /// Fraction of the smallest limit that "auto" takes.
     #[serde(default = "default_safety")]
     pub safety: Fraction,
+    /// How many times their mass particles have where they move, for states of rest: steps may then be longer by its root.
+    /// Gravity and specific heats are divided by it, so that weight and heat stay those of the true mass; dashpots with
+    /// coefficients in 1/s grow with the mass. 1.0 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass_scaling: Option<Positive>,
+}
+
+impl Time {
+    /// Mass that moves over true mass.
+    #[must_use]
+    pub fn mass_scaling(&self) -> f64 {
+        self.mass_scaling.map_or(1.0, Positive::get)
+    }
 }
 
 const fn default_safety() -> Fraction {

@@ -16,11 +16,11 @@ use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::radius_eff;
 use tdem_physics::contact::{elastic_force, touch_spheres, touch_wall};
-use tdem_physics::heat::Link;
 use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
 use tdem_physics::heat::dissipation::heat_rate;
 use tdem_physics::heat::expansion_work::{half_step, of_bond, of_contacts};
 use tdem_physics::heat::warming::{grown, warmed};
+use tdem_physics::heat::{Link, Outside};
 
 /// What pairs do to the heat of their particles; room that is kept from step to step. `P` is the number of listed pairs,
 /// `B` of bonds.
@@ -163,13 +163,13 @@ impl Cpu {
                     rate += incoming.fold(own, |sum, &slot| sum - flows.bonds[slot as usize]);
                 }
                 let exposure = usize::from(law.bodies.exposure[i]);
-                for ((exchange, _), &outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
+                for ((exchange, _), outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
                     foreign += exchange.heat_rate(law.bodies.temperature[i], outside);
                 }
                 force[k].0[3] = rate + foreign;
                 let mut made = 0.0;
                 if heat.makes_heat() {
-                    made = law.made(list, &flows, i) + at_walls.made + law.made_by_bonds(&flows, i);
+                    made = Conduction::made(list, &flows, i) + at_walls.made + law.made_by_bonds(&flows, i);
                     force[k].0[3] += heat_rate(made, step);
                 }
                 if let Some(work) = work.get_mut(k) {
@@ -204,13 +204,9 @@ fn value_of(exposure: &Exposure, time: f64) -> Option<f64> {
 
 /// Outside values of the exchanges of each exposure, those of the middle of the step that follows; none where temperatures
 /// are prescribed.
-fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<f64>> {
+fn outside(heat: &HeatPlan, plan: &Plan, step: u64) -> Vec<Vec<Outside<f64>>> {
     let middle = plan.heat_middle(step);
-    let of_exposure = |exposure: &Exposure| match exposure.temperature {
-        Some(_) => Vec::new(),
-        None => exposure.exchanges.iter().map(|(_, course)| course.value(middle)).collect(),
-    };
-    heat.exposures.iter().map(of_exposure).collect()
+    heat.exposures.iter().map(|exposure| exposure.outside(middle, middle)).collect()
 }
 
 /// Where chunks of particles begin, and where the last ends.
@@ -304,7 +300,7 @@ impl Conduction<'_> {
         all
     }
     /// Heat that a particle gets from its contacts, half of what they make, J.
-    fn made(&self, list: &Neighbours, flows: &Flows, i: usize) -> f64 {
+    fn made(list: &Neighbours, flows: &Flows, i: usize) -> f64 {
         0.5 * sum_both(list, &flows.made, i)
     }
     /// Heat that it gets from the dashpots of its bonds, J.
@@ -382,11 +378,13 @@ impl Conduction<'_> {
         let (i, j) = (self.bonds.owner[slot] as usize, self.bonds.other[slot] as usize);
         let offset: Vec3<f64> = self.bonds.offset[slot].into();
         let link = link(self.heat, self.bodies, self.bonds, slot);
+        let within = self.heat.at_one_side([i, j].map(|index| self.bodies.exposure[index]));
+        let link = if within { link.within_side() } else { link };
         flow(link.conductance(offset.dot(offset).sqrt()), self.bodies.temperature[i], self.bodies.temperature[j])
     }
 }
 
-/// What a bond is to heat.
+/// What a bond is to heat, wherever its particles lie.
 #[inline(always)]
 pub(super) fn link(heat: &HeatPlan, bodies: &Bodies, bonds: &Bonds, slot: usize) -> Link<f64> {
     let (i, j) = (bonds.owner[slot] as usize, bonds.other[slot] as usize);

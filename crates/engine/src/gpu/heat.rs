@@ -56,16 +56,24 @@ impl<M> Heat<M> {
         let followed = if plan.books_expansion() { state.len() } else { 0 };
         let work = (0..followed).map(|i| state.work_per_kelvin.get(i).copied().unwrap_or(0.0));
         let (mut exposures, mut exchanges) = (Vec::new(), Vec::new());
-        for exposure in plan.heat.iter().filter(|_| variant.exposed).flat_map(|heat| &heat.exposures) {
+        let known = plan.heat.iter().filter(|_| variant.exposed).flat_map(|heat| {
+            let sides = heat.sides.iter().copied().chain(std::iter::repeat(0));
+            heat.exposures.iter().zip(sides)
+        });
+        for (exposure, sides) in known {
             let [first_piece, end_piece] = course_record(exposure.temperature.as_ref(), pieces);
             let first_exchange = exchanges.len() as u32;
             // Where temperatures are prescribed, the exchanges do nothing.
             let acting = if exposure.temperature.is_some() { &[][..] } else { &exposure.exchanges };
-            exchanges.extend(acting.iter().map(|(exchange, outside)| {
-                let [first_piece, end_piece] = course_record(Some(outside), pieces);
-                Exchanging { exchange: ExchangeOf::from(exchange), first_piece, end_piece }
+            exchanges.extend(acting.iter().map(|(exchange, around)| {
+                let [flux_piece, fluid_piece] = course_record(around.flux.as_ref(), pieces);
+                let [_, surroundings_piece] = course_record(around.fluid.as_ref(), pieces);
+                let [_, end_piece] = course_record(around.surroundings.as_ref(), pieces);
+                let exchange = ExchangeOf::from(exchange);
+                Exchanging { exchange, flux_piece, fluid_piece, surroundings_piece, end_piece }
             }));
-            exposures.push(Exposure { first_piece, end_piece, first_exchange, end_exchange: exchanges.len() as u32 });
+            let (end_exchange, sides) = (exchanges.len() as u32, sides.into());
+            exposures.push(Exposure { first_piece, end_piece, first_exchange, end_exchange, sides });
         }
         let materials = plan.heat.iter().flat_map(|heat| &heat.materials);
         let thermals =

@@ -264,11 +264,16 @@ records! {
         end_piece: u32,
         first_exchange: u32,
         end_exchange: u32,
+        /// A bit for each open side.
+        sides: u32,
     }
-    /// One exchange, and the pieces of the outside value.
+    /// One exchange, and the pieces of what is outside: where those of the flux begin, of the fluid, of the surroundings, and
+    /// where these end.
     Exchanging {
         exchange: ExchangeOf,
-        first_piece: u32,
+        flux_piece: u32,
+        fluid_piece: u32,
+        surroundings_piece: u32,
         end_piece: u32,
     }
     /// What the kernels of a search are told.
@@ -476,7 +481,8 @@ kernels! {
         broken: seldom u32, released: seldom f64, kick_by_half: read Quad, twist_by_half: read Quad,
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius(),
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
-        links: read LinkOf where |v| !v.one_link, bond_flow: write f64, bond_work: write f64,
+        links: read LinkOf where |v| !v.one_link, exposure: read u32 where |v| v.bounded,
+        exposures: read Exposure where |v| v.bounded, bond_flow: write f64, bond_work: write f64,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {

@@ -43,7 +43,7 @@ pub(super) struct Conducting<R: Runtime> {
     exposure: Buffer<u32, R::Memory>,
     surfaces: Buffer<Surface, R::Memory>,
     exchanges: Buffer<ExchangeOf, R::Memory>,
-    /// Temperatures of walls, prescribed ones of exposures, outside values of exchanges.
+    /// Temperatures of walls, prescribed ones of exposures, flux, fluid and surroundings of exchanges.
     around: Buffer<f64, R::Memory>,
     /// K, `(N)`.
     temperature: Buffer<f64, R::Memory>,
@@ -126,7 +126,7 @@ impl<R: Runtime> Conducting<R> {
             exposure: queue.buffer_of(&exposure)?,
             surfaces: queue.buffer_of(&surfaces)?,
             exchanges: queue.buffer_of(&exchanges)?,
-            around: queue.zeros(heat.walls.len() + heat.exposures.len() + exchanges.len())?,
+            around: queue.zeros(heat.walls.len() + heat.exposures.len() + 3 * exchanges.len())?,
             temperature: queue.buffer(n)?,
             total: queue.buffer(n)?,
             foreign: queue.buffer(n)?,
@@ -305,7 +305,8 @@ impl<R: Runtime> Field for Conducting<R> {
     }
     fn surround(&mut self, around: Surroundings) -> Result<(), Fault> {
         let prescribed = around.prescribed.iter().map(|prescribed| prescribed.unwrap_or_default());
-        let values = around.walls.iter().copied().chain(prescribed).chain(around.outside.iter().flatten().copied());
+        let outside = around.outside.iter().flatten().flat_map(|o| [o.flux, o.fluid, o.surroundings]);
+        let values = around.walls.iter().copied().chain(prescribed).chain(outside);
         self.queue.upload(&self.around, &values.collect::<Vec<_>>())?;
         Ok(())
     }

@@ -59,6 +59,8 @@ pub(crate) struct Variant {
     pub(crate) makes_heat: bool,
     /// Whether particles exchange heat with their surroundings.
     pub(crate) exposed: bool,
+    /// Whether bonds within open sides conduct more.
+    pub(crate) bounded: bool,
     /// Whether all contacts conduct with the same.
     pub(crate) one_conductor: bool,
     /// Whether all bonds of a pair of materials are the same to heat.
@@ -125,6 +127,7 @@ impl Variant {
             expands,
             makes_heat: plan.makes_heat(),
             exposed: heat.is_some_and(HeatPlan::exposes),
+            bounded: heat.is_some_and(HeatPlan::bounds),
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
             alike_links: alike_links.is_some(),
             one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),
@@ -208,6 +211,7 @@ impl Program for Variant {
             ("MAKES_HEAT", self.makes_heat),
             ("EXPANSION_WORK", self.ledger && self.expands),
             ("EXPOSED", self.exposed),
+            ("BOUNDED", self.bounded),
             ("ONE_CONDUCTOR", self.one_conductor),
             ("ALIKE_LINKS", self.alike_links),
             ("ONE_LINK", self.one_link),

@@ -302,6 +302,8 @@ impl<R: Runtime> Gpu<R> {
             other: &self.rows.other,
             bond_other: &bonds.other,
             bond_ends: &bonds.apart.ends,
+            exposure: &self.heat.exposure,
+            exposures: &self.heat.exposures,
             bond_length: &bonds.apart.length,
             bond_strength: &bonds.strength,
             bond_history: &bonds.apart.history,

@@ -1,6 +1,7 @@
 //! What stands around particles during a step: temperatures of walls, outside values of surfaces, prescribed temperatures.
 
-use crate::{Exposure, HeatPlan, Scheme};
+use crate::{HeatPlan, Scheme};
+use tdem_physics::heat::Outside;
 
 /// A stretch of the time of the heat, s.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,7 @@ pub(crate) struct Surroundings {
     /// Temperatures of walls, K, `(walls)`; those of insulated ones are not used.
     pub(crate) walls: Vec<f64>,
     /// Outside values of the exchanges of each exposure; none where temperatures are prescribed.
-    pub(crate) outside: Vec<Vec<f64>>,
+    pub(crate) outside: Vec<Vec<Outside<f64>>>,
     /// Prescribed temperatures of each exposure, K.
     pub(crate) prescribed: Vec<Option<f64>>,
 }
@@ -51,17 +52,9 @@ impl Surroundings {
             Scheme::Explicit => (span.from, span.middle()),
             Scheme::Implicit => (span.until, span.until),
         };
-        let outside = |exposure: &Exposure| match exposure.temperature {
-            Some(_) => Vec::new(),
-            None => (exposure.exchanges.iter())
-                .map(|(exchange, course)| {
-                    course.value(if exchange.flux_area > 0.0 { span.middle() } else { temperatures })
-                })
-                .collect(),
-        };
         Surroundings {
             walls: heat.walls.iter().map(|wall| wall.as_ref().map_or(0.0, |course| course.value(walls))).collect(),
-            outside: heat.exposures.iter().map(outside).collect(),
+            outside: heat.exposures.iter().map(|exposure| exposure.outside(span.middle(), temperatures)).collect(),
             prescribed: heat
                 .exposures
                 .iter()

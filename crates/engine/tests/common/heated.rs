@@ -10,7 +10,7 @@ use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
 use tdem_engine::{
-    Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, Thermal,
+    Around, Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, Thermal,
 };
 
 pub(crate) const REFERENCE: f64 = 293.15;
@@ -29,6 +29,7 @@ pub(crate) fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
         conductors: vec![conductor; plan.materials * plan.materials],
         contacts: Path::Bar,
         exposures: vec![Exposure::default()],
+        sides: Vec::new(),
         walls: vec![None; plan.walls.len()],
         motion: Motion::Stepped,
     });
@@ -51,6 +52,11 @@ pub(crate) fn keep_books(plan: &mut Plan, ledger: bool) {
 
 pub(crate) fn constant(value: f64) -> Course {
     Course(vec![[0.0, value]])
+}
+
+/// A fluid and walls of one temperature.
+pub(crate) fn furnace(temperature: Course) -> Around {
+    Around { fluid: Some(temperature.clone()), surroundings: Some(temperature), flux: None }
 }
 
 pub(crate) fn after(state: &State, plan: &Plan, options: Options, steps: u64) -> State {
@@ -81,8 +87,10 @@ pub(crate) fn warm_cloud() -> (State, Plan) {
     heat.walls[2] = Some(constant(700.0));
     let warm = Exchange { flux_area: 2e-5, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
     let glow = Exchange { flux_area: 0.0, conductance: 1e-3, radiation: 5e-12, resistance: 30.0 };
-    heat.exposures
-        .push(Exposure { temperature: None, exchanges: vec![(warm, constant(-400.0)), (glow, constant(900.0))] });
+    heat.exposures.push(Exposure {
+        temperature: None,
+        exchanges: vec![(warm, Around::flux(constant(-400.0))), (glow, furnace(constant(900.0)))],
+    });
     for i in 0..state.len() {
         state.temperature[i] = 350.0 + 300.0 * random(11, i as u64);
         state.radius[i] = state.reference_radius[i] * (1.0 + EXPANSION * (state.temperature[i] - REFERENCE));
@@ -105,10 +113,17 @@ pub(crate) fn warm_block(law: bond::Law, integrator: Integrator, expansion: f64)
     heat.walls[0] = Some(Course(vec![[0.0, 300.0], [20.0, 500.0]]));
     let convection = Exchange { flux_area: 0.0, conductance: 2e-3, radiation: 5e-12, resistance: 30.0 };
     let flux = Exchange { flux_area: 1e-4, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+    // All that can act on one surface, each with a course of its own.
+    let all = Exchange { flux_area: 7e-5, ..convection };
+    let around = Around {
+        flux: Some(Course(vec![[0.0, 100.0], [5.0, -200.0]])),
+        fluid: Some(constant(350.0)),
+        surroundings: Some(Course(vec![[3.0, 400.0], [9.0, 800.0]])),
+    };
     let open = |exchanges| Exposure { temperature: None, exchanges };
     heat.exposures.extend([
-        open(vec![(convection, Course(vec![[0.0, 300.0], [7.03, 900.0], [30.0, 400.0]]))]),
-        open(vec![(flux, constant(-300.0)), (convection, constant(350.0))]),
+        open(vec![(convection, furnace(Course(vec![[0.0, 300.0], [7.03, 900.0], [30.0, 400.0]])))]),
+        open(vec![(flux, Around::flux(constant(-300.0))), (all, around)]),
         Exposure { temperature: Some(Course(vec![[1.0, 310.0], [25.0, 480.0]])), exchanges: Vec::new() },
     ]);
     let highest = state.position.iter().fold(0.0, |highest: f64, place| highest.max(place[2]));
@@ -166,7 +181,7 @@ pub(crate) fn heated_block() -> (State, Plan) {
     let heat = heat_of(&mut plan);
     heat.materials[1].expansion *= 5.0;
     let course = Course(vec![[0.0, REFERENCE], [200.0, REFERENCE + 600.0]]);
-    heat.exposures.push(Exposure { temperature: None, exchanges: vec![(film, course)] });
+    heat.exposures.push(Exposure { temperature: None, exchanges: vec![(film, Around::fluid(course))] });
     for i in 0..state.len() {
         state.exposure[i] = u16::from(state.position[i][2] > 3.4 * LATTICE_CONSTANT);
     }
@@ -205,13 +220,17 @@ pub(crate) fn still_lattice() -> (State, Plan) {
     let flux = Exchange { flux_area: 2e-5, ..NONE };
     let glow = Exchange { conductance: 1e-3, radiation: 5e-12, resistance: 30.0, ..NONE };
     let open = |exchanges| Exposure { temperature: None, exchanges };
+    let cooling = Course(vec![[0.0, 900.0], [50.0, 600.0]]);
     heat.exposures.extend([
-        open(vec![(flux, Course(vec![[0.0, 1e5], [100.0, 4e5]])), (glow, Course(vec![[0.0, 900.0], [50.0, 600.0]]))]),
+        open(vec![
+            (flux, Around::flux(Course(vec![[0.0, 1e5], [100.0, 4e5]]))),
+            (glow, Around { fluid: Some(cooling.clone()), surroundings: Some(cooling), ..Around::default() }),
+        ]),
         Exposure {
             temperature: Some(Course(vec![[0.0, 300.0], [80.0, 500.0]])),
-            exchanges: vec![(glow, constant(900.0))],
+            exchanges: vec![(glow, Around::fluid(constant(900.0)))],
         },
-        open(vec![(Exchange { conductance: 2e-3, ..NONE }, constant(280.0))]),
+        open(vec![(Exchange { conductance: 2e-3, ..NONE }, Around::fluid(constant(280.0)))]),
     ]);
     for i in 0..state.len() {
         state.material[i] = u16::from(i % 3 == 0);

@@ -3,7 +3,7 @@
 use super::Formula;
 use crate::Real;
 use crate::contact::Touch;
-use crate::heat::{Conductor, Exchange, Link, Path, conduction, implicit, warming};
+use crate::heat::{Conductor, Exchange, Link, Outside, Path, conduction, implicit, warming};
 
 /// [`conduction::between_spheres`].
 #[derive(Clone, Copy, Debug)]
@@ -79,6 +79,23 @@ impl Formula for LinkBetween {
     }
 }
 
+/// [`Link::within_side`].
+#[derive(Clone, Copy, Debug)]
+pub struct LinkWithinSide;
+
+impl Formula for LinkWithinSide {
+    const NAME: &'static str = "link_within_side";
+    const INPUTS: &'static [&'static str] = &["link"];
+    const OUTPUTS: &'static [&'static str] = &["within"];
+    type Input<R: Real> = (Link<R>,);
+    type Output<R: Real> = (Link<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (link,): Self::Input<R>) -> Self::Output<R> {
+        (link.within_side(),)
+    }
+}
+
 /// [`Link::conductance`].
 #[derive(Clone, Copy, Debug)]
 pub struct LinkConductance;
@@ -121,12 +138,12 @@ impl Formula for SurfaceHeat {
     const NAME: &'static str = "surface_heat";
     const INPUTS: &'static [&'static str] = &["exchange", "temperature", "outside"];
     const OUTPUTS: &'static [&'static str] = &["heat_rate"];
-    type Input<R: Real> = (Exchange<R>, R, R);
+    type Input<R: Real> = (Exchange<R>, R, Outside<R>);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
     fn apply<R: Real>(&self, (exchange, temperature, outside): Self::Input<R>) -> Self::Output<R> {
-        (exchange.heat_rate(temperature, outside),)
+        (exchange.heat_rate(temperature, &outside),)
     }
 }
 
@@ -138,12 +155,12 @@ impl Formula for SurfaceSensitivity {
     const NAME: &'static str = "surface_sensitivity";
     const INPUTS: &'static [&'static str] = &["exchange", "temperature", "outside"];
     const OUTPUTS: &'static [&'static str] = &["sensitivity"];
-    type Input<R: Real> = (Exchange<R>, R, R);
+    type Input<R: Real> = (Exchange<R>, R, Outside<R>);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
     fn apply<R: Real>(&self, (exchange, temperature, outside): Self::Input<R>) -> Self::Output<R> {
-        (exchange.sensitivity(temperature, outside),)
+        (exchange.sensitivity(temperature, &outside),)
     }
 }
 

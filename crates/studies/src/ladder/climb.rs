@@ -1,7 +1,8 @@
 //! Rungs run one after the other; of each, what is compared is kept at equal times of the heat.
 
 use super::compare::{Pair, Sample, Track};
-use super::{Error, Rung};
+use super::{Error, Halved, Rung};
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use tdem_engine::{Fault, Ledger, Plan, Simulation, State};
 use tdem_results::{Pace, Rate, mean_stress};
@@ -9,7 +10,9 @@ use tdem_results::{Pace, Rate, mean_stress};
 /// What a ladder shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder {
-    /// Each rung, in the order of the ladder.
+    /// What is halved from rung to rung.
+    pub halved: Halved,
+    /// Each rung that is complete, in the order of the ladder.
     pub rungs: Vec<Outcome>,
     /// Each rung against the one that follows, one fewer.
     pub pairs: Vec<Pair>,
@@ -22,8 +25,10 @@ pub struct Outcome {
     pub label: String,
     /// Time of the heat over time of the motion.
     pub time_scale: f64,
-    /// $\Delta t$, s.
+    /// A step of the plan: of the motion, or of heat that advances by itself, s.
     pub step_seconds: f64,
+    /// Time of the heat in a step, s.
+    pub heat_step_seconds: f64,
     /// Steps taken.
     pub steps: u64,
     /// Time on the clock, s.
@@ -60,7 +65,8 @@ pub struct Progress<'a> {
 }
 
 /// Runs all rungs and compares each with the next at so many equal parts of the time of the heat. `start` makes the
-/// simulation of a state and a plan, `watch` is told several times a second how it goes.
+/// simulation of a state and a plan, `watch` is told several times a second how it goes, and may end it: the rung under way is
+/// then dropped.
 ///
 /// Instants end steps of the first rung; with rungs from [`super::rungs`] they end steps of all, and times are equal to the
 /// last bit. [`kept_bytes`] says how much memory it takes beside the run.
@@ -71,7 +77,7 @@ pub fn climb(
     rungs: Vec<Rung>,
     parts: u32,
     start: impl Fn(State, Plan) -> Result<Simulation, Fault>,
-    watch: &mut dyn FnMut(&Progress<'_>),
+    watch: &mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
 ) -> Result<Ladder, Error> {
     if rungs.windows(2).any(|two| !alike(&two[0].built.state, &two[1].built.state)) {
         return Err(Error::Different);
@@ -81,12 +87,13 @@ pub fn climb(
         rungs.iter().map(|rung| instants.iter().map(|&time| rung.step_at(time)).collect()).collect();
     let steps = targets.iter().filter_map(|targets| targets.last()).sum();
     let mut walk = Walk { rungs: rungs.len(), done: 0, steps, pace: Pace::default(), rate: Rate::new(0), watch };
-    let mut ladder = Ladder { rungs: Vec::new(), pairs: Vec::new() };
+    let halved = rungs.first().map_or(Halved::TimeScale, |first| first.halved);
+    let mut ladder = Ladder { halved, rungs: Vec::new(), pairs: Vec::new() };
     let mut before: Option<Track> = None;
     for (index, (rung, targets)) in rungs.into_iter().zip(&targets).enumerate() {
         let label = rung.label.clone();
-        let (outcome, track) =
-            walk.along(index, rung, targets, &start).map_err(|fault| Error::Fault { label, fault })?;
+        let walked = walk.along(index, rung, targets, &start).map_err(|fault| Error::Fault { label, fault })?;
+        let Some((outcome, track)) = walked else { break };
         ladder.rungs.push(outcome);
         ladder.pairs.extend(before.map(|before| Pair::of(&before, &track, &instants)));
         before = Some(track);
@@ -152,20 +159,20 @@ struct Walk<'w> {
     steps: u64,
     pace: Pace,
     rate: Rate,
-    watch: &'w mut dyn FnMut(&Progress<'_>),
+    watch: &'w mut dyn FnMut(&Progress<'_>) -> ControlFlow<()>,
 }
 
 impl Walk<'_> {
-    /// Runs one rung to its last instant.
+    /// Runs one rung to its last instant; `None` if it was told to end before.
     fn along(
         &mut self,
         index: usize,
         rung: Rung,
         targets: &[u64],
         start: impl Fn(State, Plan) -> Result<Simulation, Fault>,
-    ) -> Result<(Outcome, Track), Fault> {
+    ) -> Result<Option<(Outcome, Track)>, Fault> {
         let (began, time_scale, heat_end) = (Instant::now(), rung.time_scale(), rung.heat_end());
-        let Rung { label, built } = rung;
+        let Rung { label, built, .. } = rung;
         let particles = built.state.len() as f64;
         let mut simulation = start(built.state, built.plan)?;
         let mut samples = Vec::with_capacity(targets.len());
@@ -177,7 +184,7 @@ impl Walk<'_> {
                 self.pace.took(batch, batch_began.elapsed());
                 self.done += batch;
                 self.rate.reached(self.done);
-                (self.watch)(&Progress {
+                let told = (self.watch)(&Progress {
                     rung: index,
                     rungs: self.rungs,
                     label: &label,
@@ -188,6 +195,9 @@ impl Walk<'_> {
                     cundall_number: self.rate.steps_per_second().map_or(0.0, |rate| rate * particles),
                     time_left: self.rate.time_for(self.steps - self.done),
                 });
+                if told.is_break() {
+                    return Ok(None);
+                }
             }
             let state = simulation.state()?;
             samples.push(sample(state, simulation.plan()));
@@ -199,13 +209,14 @@ impl Walk<'_> {
             label,
             time_scale,
             step_seconds: simulation.plan().dt,
+            heat_step_seconds: simulation.plan().heat_step(),
             steps: simulation.step(),
             clock_secs: began.elapsed().as_secs_f64(),
             bonds: state.bonds.len() as u64,
             broken_bonds: state.bonds.iter().filter(|bond| !bond.holds()).count() as u64,
             hash: state.hash(),
         };
-        Ok((outcome, track))
+        Ok(Some((outcome, track)))
     }
 }
 

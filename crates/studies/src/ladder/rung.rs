@@ -1,15 +1,26 @@
 //! The rungs of a case.
 
 use super::{Error, Follower};
-use tdem_case::schema::{OutOfRange, Positive, Step};
+use tdem_case::schema::{Motion, OutOfRange, Positive, Step};
 use tdem_case::{Built, Loaded, RunLoader};
 use tdem_engine::Plan;
 
-/// A case at one acceleration, ready to run.
+/// What is halved from rung to rung.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halved {
+    /// How much faster heat goes than motion.
+    TimeScale,
+    /// The step of heat that advances by itself.
+    HeatStep,
+}
+
+/// A case at one acceleration, or with one step of the heat, ready to run.
 #[derive(Clone, Debug)]
 pub struct Rung {
     /// How it is called in tables.
     pub label: String,
+    /// What tells it from the rung before.
+    pub halved: Halved,
     /// What runs.
     pub built: Built,
 }
@@ -19,6 +30,14 @@ impl Rung {
     #[must_use]
     pub fn time_scale(&self) -> f64 {
         self.built.plan.heat.as_ref().map_or(0.0, |heat| heat.time_scale)
+    }
+    /// What is halved: the time scale, or the step of the heat, s.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        match self.halved {
+            Halved::TimeScale => self.time_scale(),
+            Halved::HeatStep => self.built.plan.heat_step(),
+        }
     }
     /// Time of the heat when it ends, s.
     #[must_use]
@@ -34,6 +53,8 @@ impl Rung {
 /// The rungs of a case: as it is, and each with half the time scale of the one before and twice the duration of the
 /// motion. All have the step of the first. `runs` reads other runs that the case begins from.
 ///
+/// Where heat advances by itself, each has half the step of the heat of the one before, and as much time.
+///
 /// Gravity and constant forces act longer on each rung, as they should on what is at rest under them; what falls or swings
 /// by itself does so in its own time.
 ///
@@ -42,7 +63,24 @@ impl Rung {
 /// [`Error::OutOfRange`].
 pub fn rungs(loaded: &Loaded, count: u32, runs: &dyn RunLoader) -> Result<Vec<Rung>, Error> {
     let heat = loaded.case.heat.as_ref().ok_or(Error::NoHeat)?;
-    let time_scale = heat.time_scale(&loaded.case);
+    let halved = if heat.motion == Motion::Scaled { Halved::TimeScale } else { Halved::HeatStep };
+    let build = |loaded: &Loaded, label: String| match loaded.build_with(runs) {
+        Ok(built) => Ok(Rung { label, halved, built }),
+        Err(problems) => Err(Error::Refused { label, problems }),
+    };
+    match halved {
+        Halved::TimeScale => slower(loaded, count, heat.time_scale(&loaded.case), build),
+        Halved::HeatStep => finer(loaded, count, build),
+    }
+}
+
+/// Rungs with less and less acceleration.
+fn slower(
+    loaded: &Loaded,
+    count: u32,
+    time_scale: f64,
+    build: impl Fn(&Loaded, String) -> Result<Rung, Error>,
+) -> Result<Vec<Rung>, Error> {
     if time_scale <= 1.0 {
         return Err(Error::NotAccelerated { time_scale });
     }
@@ -50,10 +88,6 @@ pub fn rungs(loaded: &Loaded, count: u32, runs: &dyn RunLoader) -> Result<Vec<Ru
     if lowest < 1.0 {
         return Err(Error::TooManyRungs { rungs: count, lowest });
     }
-    let build = |loaded: &Loaded, label: String| match loaded.build_with(runs) {
-        Ok(built) => Ok(Rung { label, built }),
-        Err(problems) => Err(Error::Refused { label, problems }),
-    };
     let first = build(loaded, "S".to_owned())?;
     if let Some(what) = follower(&first.built.plan) {
         return Err(Error::FollowsMotion { what });
@@ -63,6 +97,25 @@ pub fn rungs(loaded: &Loaded, count: u32, runs: &dyn RunLoader) -> Result<Vec<Ru
     for halvings in 1..count {
         let by = factor(halvings);
         rungs.push(build(&slowed(loaded, step, by)?, format!("S/{by}"))?);
+    }
+    Ok(rungs)
+}
+
+/// Rungs with shorter and shorter steps of the heat.
+fn finer(
+    loaded: &Loaded,
+    count: u32,
+    build: impl Fn(&Loaded, String) -> Result<Rung, Error>,
+) -> Result<Vec<Rung>, Error> {
+    let first = build(loaded, "h".to_owned())?;
+    let step = first.built.plan.heat_step();
+    let mut rungs = vec![first];
+    for halvings in 1..count {
+        let by = factor(halvings);
+        let mut finer = loaded.clone();
+        let shorter = Positive::try_from(step / by)?;
+        finer.case.heat.iter_mut().for_each(|heat| heat.step = Some(shorter));
+        rungs.push(build(&finer, format!("h/{by}"))?);
     }
     Ok(rungs)
 }

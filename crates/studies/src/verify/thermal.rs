@@ -10,7 +10,7 @@ use super::scene::{HELD, Scene};
 use super::{Case, Tier};
 use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
 use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
-use tdem_engine::{Course, Exposure, HeatPlan, Motion, Thermal};
+use tdem_engine::{Around, Course, Exposure, HeatPlan, Motion, Thermal};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -75,6 +75,13 @@ pub(super) const CASES: &[Case] = &[
         source: "t = C/(4 eps sigma A a^3) [ln((T - a)/(T + a)) + ...], integrated exactly, with and without depth",
         about: "A hot sphere radiates into cold surroundings, a cold one is heated by hot ones: the time that it takes, from two steps.",
         body: surfaces::radiation,
+    },
+    Case {
+        name: "thermal/one-surface",
+        tier: Tier::Quick,
+        source: "lambda (T_w - T_s)/L = h (T_s - T_f) + eps sigma (T_s^4 - T_e^4) - q, by halving; T linear between",
+        about: "A slab from a warm wall to a face with a fluid, radiation and a flux at once: at rest, its face and its heat.",
+        body: surfaces::one_surface,
     },
     Case {
         name: "thermal/semi-infinite",
@@ -237,8 +244,13 @@ fn held_at(course: Course) -> Exposure {
 }
 
 /// One exchange with the surroundings.
-fn through(exchange: Exchange<f64>, outside: Course) -> Exposure {
-    Exposure { temperature: None, exchanges: vec![(exchange, outside)] }
+fn through(exchange: Exchange<f64>, around: Around) -> Exposure {
+    Exposure { temperature: None, exchanges: vec![(exchange, around)] }
+}
+
+/// A fluid and walls of one temperature, K.
+fn furnace(temperature: f64) -> Around {
+    Around { fluid: Some(constant(temperature)), surroundings: Some(constant(temperature)), flux: None }
 }
 
 /// Nothing goes through.
@@ -268,6 +280,7 @@ impl Scene {
             conductors: (0..count * count).map(|k| conductor(k / count, k % count)).collect(),
             contacts,
             exposures: vec![Exposure::default()],
+            sides: Vec::new(),
             walls: vec![None; self.plan.walls.len()],
             motion: Motion::Stepped,
         };

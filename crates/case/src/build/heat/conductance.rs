@@ -3,9 +3,9 @@
 use super::super::bonds::Bonded;
 use rayon::prelude::*;
 use tdem_engine::physics::contact::touch_spheres;
-use tdem_engine::physics::heat::conduction::{bar, between_spheres};
+use tdem_engine::physics::heat::conduction::{WITHIN_SIDE, bar, between_spheres};
 use tdem_engine::physics::heat::warming::longest_step;
-use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::physics::heat::{Conductor, Outside, Path};
 use tdem_engine::physics::vec3;
 use tdem_engine::{Domain, HeatPlan, State};
 
@@ -35,7 +35,9 @@ impl Warming {
         if let Some(bonded) = bonded {
             for (pair, length) in bonded.lengths(domain, state) {
                 let radius_sum = state.radius[pair[0]] + state.radius[pair[1]];
-                let through = bar(plan.conductor(state.material[pair[0]], state.material[pair[1]]), radius_sum, length);
+                let conductor = plan.conductor(state.material[pair[0]], state.material[pair[1]]);
+                let within = plan.at_one_side(pair.map(|index| state.exposure[index]));
+                let through = bar(conductor, radius_sum, length) * if within { WITHIN_SIDE } else { 1.0 };
                 for index in pair {
                     conductance[index] += through;
                     bonds[index] += 1.0;
@@ -78,9 +80,10 @@ fn touching(path: Path, conductor: &Conductor<f64>, radius: f64) -> f64 {
 /// What surfaces conduct, W/K; radiation at its hottest.
 fn surface(plan: &HeatPlan, exposure: u16) -> f64 {
     let of = &plan.exposures[usize::from(exposure)];
-    let each = of.exchanges.iter().map(|(exchange, outside)| {
-        let hottest = outside.0.iter().map(|point| point[1]).fold(plan.reference_temperature, f64::max);
-        exchange.sensitivity(hottest, hottest)
+    let each = of.exchanges.iter().map(|(exchange, around)| {
+        let values = around.temperatures().flat_map(|course| &course.0).map(|point| point[1]);
+        let hottest = values.fold(plan.reference_temperature, f64::max);
+        exchange.sensitivity(hottest, &Outside { flux: 0.0, fluid: hottest, surroundings: hottest })
     });
     each.sum()
 }

@@ -14,10 +14,7 @@ pub(in crate::build) fn check(context: &Context<'_>, plan: &Plan, state: &State)
     if state.bonds.is_empty() {
         return None;
     }
-    let courses = heat
-        .exposures
-        .iter()
-        .flat_map(|exposure| exposure.temperature.iter().chain(exposure.exchanges.iter().map(|(_, outside)| outside)));
+    let courses = heat.exposures.iter().flat_map(tdem_engine::Exposure::courses);
     let last = courses.chain(heat.walls.iter().flatten()).filter_map(|course| course.0.last()).map(|point| point[0]);
     let case = &context.loaded.case;
     let program = last.fold(case.time.end.get() * heat.time_scale, f64::max);

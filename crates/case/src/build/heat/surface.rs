@@ -3,18 +3,24 @@
 use super::super::{Context, Draft, lattice};
 use super::course;
 use crate::problem::{Problem, counted};
-use crate::schema::{Depth, Face, Heat, Surface};
+use crate::schema::{self, Depth, Face, Heat, Surface};
 use crate::walls::FACES;
 use std::collections::BTreeMap;
-use tdem_engine::physics::heat::Exchange;
-use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
-use tdem_engine::{Course, Exposure, SurfacePart};
+use tdem_engine::physics::heat::surface;
+use tdem_engine::{Around, Exposure, SurfacePart};
 
 /// How far centres of a layer may lie behind the outermost, as a fraction of their radius.
 const LAYER: f64 = 0.5;
 
 /// Surfaces as gauges watch them, by name.
 pub(in crate::build) type Surfaces = BTreeMap<String, tdem_engine::Surface>;
+
+/// What a plan has of exposures.
+pub(super) struct Exposed {
+    pub(super) exposures: Vec<Exposure>,
+    /// Open sides of each of them, a bit for each; empty without.
+    pub(super) sides: Vec<u8>,
+}
 
 /// A surface with its particles.
 struct Skin<'c> {
@@ -35,7 +41,7 @@ pub(super) fn expose(
     draft: &mut Draft,
     zones: &[Vec<u32>],
     problems: &mut Vec<Problem>,
-) -> (Vec<Exposure>, Surfaces) {
+) -> (Exposed, Surfaces) {
     let mut skins = Vec::new();
     for (index, surface) in context.loaded.case.surface.iter().enumerate() {
         match skin(context, draft, zones, index, surface) {
@@ -48,15 +54,17 @@ pub(super) fn expose(
         skin.members.iter().for_each(|&member| of_particle[member as usize].push(k));
     }
     problems.extend(held_twice(context, &skins, &of_particle));
-    let mut known: BTreeMap<(u16, &[usize]), u16> = BTreeMap::new();
+    let at_sides = at_sides(draft, heat.open_faces());
+    let mut known: BTreeMap<(u16, &[usize], u8), u16> = BTreeMap::new();
     let mut exposures = vec![Exposure::default()];
+    let mut sides = vec![0];
     let mut parts = vec![vec![None]; skins.len()];
-    draft.state.exposure = (of_particle.iter().zip(&draft.state.material))
-        .map(|(of, &material)| {
-            if of.is_empty() {
+    draft.state.exposure = (of_particle.iter().zip(&draft.state.material).zip(at_sides))
+        .map(|((of, &material), at)| {
+            if of.is_empty() && at == 0 {
                 return 0;
             }
-            *known.entry((material, of)).or_insert_with(|| {
+            *known.entry((material, of, at)).or_insert_with(|| {
                 let conductivity = context.materials.thermal[usize::from(material)].conductivity;
                 let mut exposure = Exposure::default();
                 for of_skin in &mut parts {
@@ -66,6 +74,7 @@ pub(super) fn expose(
                     parts[k][exposures.len()] = Some(skins[k].add_to(&mut exposure, heat, conductivity));
                 }
                 exposures.push(exposure);
+                sides.push(at);
                 (exposures.len() - 1) as u16
             })
         })
@@ -75,7 +84,22 @@ pub(super) fn expose(
         ids.sort_unstable();
         (skin.surface.name.clone(), tdem_engine::Surface { members: ids.into(), parts })
     });
-    (exposures, surfaces.collect())
+    if heat.open_faces().is_empty() {
+        sides.clear();
+    }
+    (Exposed { exposures, sides }, surfaces.collect())
+}
+
+/// At which of some sides of all that there is each particle lies, a bit for each.
+fn at_sides(draft: &Draft, faces: &[Face]) -> Vec<u8> {
+    let mut at = vec![0; draft.state.len()];
+    for (bit, &(face, ..)) in FACES.iter().enumerate().filter(|(_, known)| faces.contains(&known.0)) {
+        let all = (0..draft.state.len() as u32).collect();
+        for k in outermost(draft, all, face) {
+            at[k as usize] |= 1 << bit;
+        }
+    }
+    at
 }
 
 /// A surface of the case with its particles.
@@ -174,8 +198,6 @@ fn held_twice(context: &Context<'_>, skins: &[Skin<'_>], of_particle: &[Vec<usiz
         .collect()
 }
 
-const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
-
 impl Skin<'_> {
     /// Whether its particles themselves are held at its temperature.
     fn holds(&self) -> bool {
@@ -184,28 +206,27 @@ impl Skin<'_> {
 
     /// Adds what it does to a particle to what others do. Returns which part is its own.
     fn add_to(&self, exposure: &mut Exposure, heat: &Heat, conductivity: f64) -> SurfacePart {
-        let (surface, area, depth, zero) = (self.surface, self.area, self.depth, heat.scale.zero());
-        let resistance = if depth > 0.0 { depth / (conductivity * area) } else { 0.0 };
-        let first = exposure.exchanges.len();
-        let mut add = |exchange: Exchange<f64>, outside: Course| exposure.exchanges.push((exchange, outside));
-        if let Some(flux) = &surface.flux {
-            add(Exchange { flux_area: area, ..NONE }, course(flux, 0.0));
-        }
-        if let Some(convection) = &surface.convection {
-            let conductance = surface_conductance(area, depth, conductivity, convection.coefficient.get());
-            add(Exchange { conductance, ..NONE }, course(&convection.temperature, zero));
-        }
-        if let Some(radiation) = &surface.radiation {
-            let radiates = radiation.emissivity.get() * STEFAN_BOLTZMANN * area;
-            add(Exchange { radiation: radiates, resistance, ..NONE }, course(&radiation.temperature, zero));
-        }
-        if let Some(temperature) = surface.temperature.as_ref().filter(|_| !self.holds()) {
-            let conductance = surface_conductance(area, depth, conductivity, f64::INFINITY);
-            add(Exchange { conductance, ..NONE }, course(temperature, zero));
-        }
+        let (surface, zero) = (self.surface, heat.scale.zero());
+        let warm = |of: &schema::Course| course(of, zero);
         if self.holds() {
-            exposure.temperature = surface.temperature.as_ref().map(|temperature| course(temperature, zero));
+            exposure.temperature = surface.temperature.as_ref().map(warm);
+            return SurfacePart::Held;
         }
-        SurfacePart { exchanges: first..exposure.exchanges.len(), resistance }
+        let film = surface.convection.as_ref().map_or(0.0, |convection| convection.coefficient.get());
+        let cover = surface::Cover {
+            area: self.area,
+            depth: self.depth,
+            conductivity,
+            film: if surface.temperature.is_some() { f64::INFINITY } else { film },
+            emissivity: surface.radiation.as_ref().map_or(0.0, |radiation| radiation.emissivity.get()),
+        };
+        let fluid = surface.convection.as_ref().map(|convection| &convection.temperature);
+        let around = Around {
+            flux: surface.flux.as_ref().map(|flux| course(flux, 0.0)),
+            fluid: surface.temperature.as_ref().or(fluid).map(warm),
+            surroundings: surface.radiation.as_ref().map(|radiation| warm(&radiation.temperature)),
+        };
+        exposure.exchanges.push((cover.exchange(), around));
+        SurfacePart::Exchange(exposure.exchanges.len() - 1)
     }
 }

@@ -209,6 +209,8 @@ kernel bond
             heated.thermals = thermals;
             heated.conductors = conductors;
             heated.links = links;
+            heated.exposure = exposure;
+            heated.exposures = exposures;
             const Sphere bonded_first = as_bonded(first, i, heated), bonded_second = as_bonded(second, j, heated);
             Reaction acting;
 #if BONDS_REMEMBER

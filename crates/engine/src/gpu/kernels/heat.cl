@@ -84,9 +84,21 @@ DEVICE real course_at(GLOBAL const Piece *pieces, const u32 first, const u32 end
     return value;
 }
 
-// What a bond is to heat. The spheres have the radii that bonds have.
-DEVICE Link link_of(const Step step, const u32 i, const u32 j, const Sphere body, const Sphere partner,
-                    GLOBAL const u32 *RESTRICT kind, const Heated heated)
+// What is outside of a surface at a time; what is absent is zero.
+DEVICE Outside outside_of(const Exchanging exchanging, const real time, const Heated heated)
+{
+    Outside outside;
+    const u32 flux = exchanging.flux_piece, fluid = exchanging.fluid_piece;
+    const u32 surroundings = exchanging.surroundings_piece, end = exchanging.end_piece;
+    outside.flux = flux < fluid ? course_at(heated.pieces, flux, fluid, time) : 0.0;
+    outside.fluid = fluid < surroundings ? course_at(heated.pieces, fluid, surroundings, time) : 0.0;
+    outside.surroundings = surroundings < end ? course_at(heated.pieces, surroundings, end, time) : 0.0;
+    return outside;
+}
+
+// What a bond is to heat, wherever its particles lie. The spheres have the radii that bonds have.
+DEVICE Link link_anywhere(const Step step, const u32 i, const u32 j, const Sphere body, const Sphere partner,
+                          GLOBAL const u32 *RESTRICT kind, const Heated heated)
 {
 #if ONE_LINK
     return step.link;
@@ -105,6 +117,21 @@ DEVICE Link link_of(const Step step, const u32 i, const u32 j, const Sphere body
     return link;
 #endif
 #endif
+}
+
+// What a bond is to heat.
+DEVICE Link link_of(const Step step, const u32 i, const u32 j, const Sphere body, const Sphere partner,
+                    GLOBAL const u32 *RESTRICT kind, const Heated heated)
+{
+    Link link = link_anywhere(step, i, j, body, partner, kind, heated);
+#if BOUNDED
+    if (heated.exposures[heated.exposure[i]].sides & heated.exposures[heated.exposure[j]].sides) {
+        Link within;
+        link_within_side(link, &within);
+        link = within;
+    }
+#endif
+    return link;
 }
 
 // Into a particle, through a bond.
@@ -190,8 +217,7 @@ DEVICE real heat_rate_of(const Step step, const u32 i, Heat *heat, const Heated 
     for (u32 k = exposed.first_exchange; k < exposed.end_exchange; ++k) {
         const Exchanging exchanging = heated.exchanges[k];
         real rate;
-        surface_heat(exchanging.exchange, heat->temperature,
-                     course_at(heated.pieces, exchanging.first_piece, exchanging.end_piece, step.heat_middle_time), &rate);
+        surface_heat(exchanging.exchange, heat->temperature, outside_of(exchanging, step.heat_middle_time, heated), &rate);
         heat->foreign += rate;
     }
 #endif

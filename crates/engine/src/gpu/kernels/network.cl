@@ -34,14 +34,14 @@ typedef struct {
     GLOBAL const Surface *surfaces;
     GLOBAL const Exchange *exchanges;
     GLOBAL const real *around;
-} Outside;
+} Environment;
 
-#define LOOK_OUT(outside)           \
-    Outside outside;                \
-    outside.exposure = exposure;    \
-    outside.surfaces = surfaces;    \
-    outside.exchanges = exchanges;  \
-    outside.around = around
+#define LOOK_OUT(environment)           \
+    Environment environment;            \
+    environment.exposure = exposure;    \
+    environment.surfaces = surfaces;    \
+    environment.exchanges = exchanges;  \
+    environment.around = around
 
 // Adds terms one after the other.
 #define ADD_UP(sum, terms, count)           \
@@ -94,32 +94,38 @@ DEVICE real joined(const Rows rows, const u32 i)
     return of_contacts + conductance_of(rows, i, contacts, rows.bonds_end[i]);
 }
 
-DEVICE real outside_value(const Conduction conduction, const Outside outside, const u32 exchange)
+// What is outside of the surface of an exchange.
+DEVICE Outside outside_of(const Conduction conduction, const Environment environment, const u32 exchange)
 {
-    return outside.around[conduction.walls + conduction.exposures + exchange];
+    GLOBAL const real *values = environment.around + conduction.walls + conduction.exposures + 3u * exchange;
+    Outside outside;
+    outside.flux = values[0];
+    outside.fluid = values[1];
+    outside.surroundings = values[2];
+    return outside;
 }
 
 // Into a particle, from walls and through its surface.
-DEVICE real foreign_heat(const Conduction conduction, const Rows rows, const Outside outside, const u32 i, const real mine)
+DEVICE real foreign_heat(const Conduction conduction, const Rows rows, const Environment environment, const u32 i, const real mine)
 {
-    real sum = flow_through(rows, i, rows.bonds_end[i], rows.walls_end[i], mine, outside.around);
-    const Surface surface = outside.surfaces[outside.exposure[i]];
+    real sum = flow_through(rows, i, rows.bonds_end[i], rows.walls_end[i], mine, environment.around);
+    const Surface surface = environment.surfaces[environment.exposure[i]];
     for (u32 k = surface.first_exchange; k < surface.end_exchange; ++k) {
         real rate;
-        surface_heat(outside.exchanges[k], mine, outside_value(conduction, outside, k), &rate);
+        surface_heat(environment.exchanges[k], mine, outside_of(conduction, environment, k), &rate);
         sum += rate;
     }
     return sum;
 }
 
 // How much less comes in from walls and through the surface per kelvin.
-DEVICE real sensitivity(const Conduction conduction, const Rows rows, const Outside outside, const u32 i, const real mine)
+DEVICE real sensitivity(const Conduction conduction, const Rows rows, const Environment environment, const u32 i, const real mine)
 {
     real sum = conductance_of(rows, i, rows.bonds_end[i], rows.walls_end[i]);
-    const Surface surface = outside.surfaces[outside.exposure[i]];
+    const Surface surface = environment.surfaces[environment.exposure[i]];
     for (u32 k = surface.first_exchange; k < surface.end_exchange; ++k) {
         real more;
-        surface_sensitivity(outside.exchanges[k], mine, outside_value(conduction, outside, k), &more);
+        surface_sensitivity(environment.exchanges[k], mine, outside_of(conduction, environment, k), &more);
         sum += more;
     }
     return sum;
@@ -140,11 +146,11 @@ DEVICE u32 particles_of_chunk(const Conduction conduction, const u32 chunk)
 kernel rate
 {
     LOOK_UP(rows);
-    LOOK_OUT(outside);
+    LOOK_OUT(environment);
     FOR_EACH(i, conduction.particles) {
         if (is_over(conduction, halted[0]))
             continue;
-        const real from_outside = foreign_heat(conduction, rows, outside, i, temperature[i]);
+        const real from_outside = foreign_heat(conduction, rows, environment, i, temperature[i]);
         total[i] = conducted(rows, i, temperature) + from_outside;
         foreign[i] = from_outside;
     }
@@ -154,13 +160,13 @@ kernel least_step
 {
     LOCAL real terms[CHUNK];
     LOOK_UP(rows);
-    LOOK_OUT(outside);
+    LOOK_OUT(environment);
     const u32 count = particles_of_chunk(conduction, GROUP_INDEX);
     for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
         const u32 i = GROUP_INDEX * CHUNK + k;
         real step = INFINITY;
         if (!surfaces[exposure[i]].prescribed)
-            longest_step(capacity[i], joined(rows, i) + sensitivity(conduction, rows, outside, i, temperature[i]), &step);
+            longest_step(capacity[i], joined(rows, i) + sensitivity(conduction, rows, environment, i, temperature[i]), &step);
         terms[k] = step;
     }
     BARRIER;
@@ -231,13 +237,13 @@ kernel assemble
     LOCAL real squares[CHUNK];
     LOCAL real errors[CHUNK];
     LOOK_UP(rows);
-    LOOK_OUT(outside);
+    LOOK_OUT(environment);
     const u32 count = particles_of_chunk(conduction, GROUP_INDEX);
     for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
         const u32 i = GROUP_INDEX * CHUNK + k;
         const real mine = end[i];
-        const real from_outside = foreign_heat(conduction, rows, outside, i, mine);
-        const real less = sensitivity(conduction, rows, outside, i, mine);
+        const real from_outside = foreign_heat(conduction, rows, environment, i, mine);
+        const real less = sensitivity(conduction, rows, environment, i, mine);
         real holds, square, error;
         implicit_held(capacity[i], conduction.step, less, &holds);
         const real all = holds + joined(rows, i);

@@ -1,13 +1,13 @@
 //! What must come out whatever happens: heat that is kept, and results that do not depend on the time scale.
 
-use super::{CLOSED, Material, NOTHING, ROOM, SOLID, constant, held_at, largest_difference, through};
+use super::{CLOSED, Material, NOTHING, ROOM, SOLID, constant, furnace, held_at, largest_difference, through};
 use crate::verify::Kind;
 use crate::verify::bonded::{JOINT, RADIUS, ROCK, SPACING, numbers, scene};
 use crate::verify::conservation::cloud;
 use crate::verify::scene::{Bench, HELD, PLASTIC, Scene, With};
 use tdem_engine::physics::bond::Form;
 use tdem_engine::physics::heat::{Exchange, Path};
-use tdem_engine::{Bond, Course, Exposure, Fault, State, heat_accounts};
+use tdem_engine::{Around, Bond, Course, Exposure, Fault, State, heat_accounts};
 
 pub(super) fn time_scale(bench: &mut Bench) -> Result<(), Fault> {
     let (links, steps, part) = (8, 1000, 0.04);
@@ -21,7 +21,7 @@ pub(super) fn time_scale(bench: &mut Bench) -> Result<(), Fault> {
     let conductance = SOLID.conductivity * SPACING;
     let heat_step = part * scene.capacity(0) / conductance;
     let ramp = Course(vec![[0.0, ROOM], [0.5 * steps as f64 * heat_step, ROOM + 400.0]]);
-    scene.expose(&[0], &through(Exchange { conductance, ..NOTHING }, ramp));
+    scene.expose(&[0], &through(Exchange { conductance, ..NOTHING }, Around::fluid(ramp)));
     let mut at = |halved: u64| {
         scene.heat_step(heat_step / halved as f64);
         bench.after(&scene, halved * steps)
@@ -81,10 +81,10 @@ pub(super) fn first_law(bench: &mut Bench) -> Result<(), Fault> {
     scene.warm_walls(&[Some(constant(600.0)), None, None, Some(cool), None, None]);
     let flux = Exchange { flux_area: 3e-5, ..NOTHING };
     let film = Exchange { conductance: 1e-4, radiation: 2e-12, resistance: 30.0, ..NOTHING };
-    let exchanges = vec![(flux, Course(vec![[0.0, 3e3], [duration, -2e3]])), (film, constant(500.0))];
+    let exchanges = vec![(flux, Around::flux(Course(vec![[0.0, 3e3], [duration, -2e3]]))), (film, furnace(500.0))];
     scene.expose(&[0, 4, 8, 12, 16, 20, 24], &Exposure { temperature: None, exchanges });
     scene.expose(&[5, 13], &held_at(Course(vec![[0.0, ROOM], [0.5 * duration, 500.0], [duration, 320.0]])));
-    scene.expose(&[27], &through(film, constant(900.0)));
+    scene.expose(&[27], &through(film, furnace(900.0)));
     let stored = |state: &State| {
         let of = |k: usize| scene.capacity(k) * state.temperature[k] + state.heat_rate[k] * scene.plan.heat_step();
         (0..state.len()).map(of).sum::<f64>()

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use tdem_engine::physics::bond::Form;
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::Exchange;
-use tdem_engine::physics::heat::surface::{STEFAN_BOLTZMANN, surface_conductance};
-use tdem_engine::{Course, Fault, State};
+use tdem_engine::physics::heat::surface::{Cover, STEFAN_BOLTZMANN, surface_conductance};
+use tdem_engine::{Around, Course, Fault, State};
 
 /// Surface of a sphere, m².
 const AREA: f64 = 4.0 * PI * RADIUS * RADIUS;
@@ -32,10 +32,10 @@ pub(super) fn lumped(bench: &mut Bench) -> Result<(), Fault> {
     let steps = 400_u32;
     scene.heat_step(time / f64::from(steps));
     let conductance = surface_conductance(AREA, 0.0, SOLID.conductivity, film);
-    scene.expose(&[0], &through(Exchange { conductance, ..NOTHING }, constant(ROOM)));
+    scene.expose(&[0], &through(Exchange { conductance, ..NOTHING }, Around::fluid(constant(ROOM))));
     // Up and down again, with corners on steps.
     let course = Course(vec![[0.0, 0.0], [0.25 * time, flux], [0.75 * time, -0.5 * flux]]);
-    scene.expose(&[1], &through(Exchange { flux_area: AREA, ..NOTHING }, course));
+    scene.expose(&[1], &through(Exchange { flux_area: AREA, ..NOTHING }, Around::flux(course)));
     scene.state.temperature[0] = ROOM + warmth;
     let state = bench.after(&scene, steps.into())?;
     let left = (state.temperature[0] - ROOM) / warmth;
@@ -85,7 +85,10 @@ pub(super) fn radiation(bench: &mut Bench) -> Result<(), Fault> {
     let mut scene = single(RADIATION.len());
     for (k, (_, inside, outside, resistance)) in RADIATION.into_iter().enumerate() {
         scene.state.temperature[k] = inside;
-        scene.expose(&[k], &through(Exchange { radiation, resistance, ..NOTHING }, constant(outside)));
+        scene.expose(
+            &[k],
+            &through(Exchange { radiation, resistance, ..NOTHING }, Around::surroundings(constant(outside))),
+        );
     }
     // As long as a sphere of 1200 K would radiate all its heat at that rate.
     let time = scene.capacity(0) / (radiation * 1200.0 * 1200.0 * 1200.0);
@@ -190,13 +193,46 @@ impl Layers {
     fn expose(&mut self, layer: usize, film: f64, outside: Course) {
         let exchange = Exchange { conductance: self.conductance(film), ..NOTHING };
         let particles = self.particles(layer);
-        self.scene.expose(&particles, &through(exchange, outside));
+        self.scene.expose(&particles, &through(exchange, Around::fluid(outside)));
     }
     /// Mean temperature of a layer.
     fn temperature(&self, state: &State, layer: usize) -> f64 {
         let particles = self.particles(layer);
         particles.iter().map(|&k| state.temperature[k]).sum::<f64>() / particles.len() as f64
     }
+}
+
+pub(super) fn one_surface(bench: &mut Bench) -> Result<(), Fault> {
+    let (layers, inside, film, emissivity) = (6, 1100.0, 40.0, 0.8);
+    let (flux, fluid, surroundings) = (2e3, 320.0, 450.0);
+    let mut column = Layers::of(Body::Column, layers);
+    column.expose(0, f64::INFINITY, constant(inside));
+    let depth = 0.5 * column.spacing;
+    let cover = Cover { area: column.area, depth, conductivity: SOLID.conductivity, film, emissivity };
+    let around =
+        Around { flux: Some(constant(flux)), fluid: Some(constant(fluid)), surroundings: Some(constant(surroundings)) };
+    column.scene.expose(&[layers - 1], &through(cover.exchange(), around));
+    // A quarter of the time that heat takes from layer to layer; a third would be the limit.
+    column.scene.heat_step(0.25 * column.spacing * column.spacing / Layers::diffusivity());
+    let state = bench.after(&column.scene, 2000)?;
+
+    let slab = column.thickness() / SOLID.conductivity;
+    let fourth = |t: f64| t * t * t * t;
+    let lost = |face: f64| {
+        film * (face - fluid) + emissivity * STEFAN_BOLTZMANN * (fourth(face) - fourth(surroundings)) - flux
+    };
+    let mut ends = [0.0, inside];
+    for _ in 0..80 {
+        let middle = 0.5 * (ends[0] + ends[1]);
+        ends[usize::from((inside - middle) / slab < lost(middle))] = middle;
+    }
+    let face = ends[0];
+    let layer = |k: usize| inside + (face - inside) * (k as f64 + 0.5) / layers as f64;
+    let off = largest_difference(&state.temperature, (0..layers).map(layer));
+    bench.judge("layers: largest difference", "K", off, Kind::ClosedForm.at_most(1e-8));
+    let rate = column.conductance(f64::INFINITY) * (inside - state.temperature[0]) / column.area;
+    bench.judge("heat through the slab", "W/m²", rate, Kind::ClosedForm.relative(lost(face), 1e-9));
+    Ok(())
 }
 
 pub(super) fn semi_infinite(bench: &mut Bench) -> Result<(), Fault> {
