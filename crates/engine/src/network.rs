@@ -25,7 +25,7 @@ const CHUNK: usize = 1024;
 /// What conducts heat in a state. `N` is the number of particles.
 #[derive(Default)]
 pub(crate) struct Network {
-    /// $mc$, J/K, `(N)`.
+    /// $mc$ at the temperatures at which conductances are, J/K, `(N)`.
     pub(crate) capacity: Vec<f64>,
     contacts: Rows,
     bonds: Rows,
@@ -88,12 +88,39 @@ impl Network {
             let conductor = heat.conductor(state.material[i], described.material);
             (touch.overlap > 0.0).then(|| (i as u32, contact.wall, at_wall(heat.contacts, conductor, radius, &touch)))
         });
-        let specific_heat = |i: usize| heat.materials[usize::from(state.material[i])].specific_heat;
-        Network {
-            capacity: (0..n).map(|i| state.mass[i] * specific_heat(i)).collect(),
+        let mut network = Network {
+            capacity: (0..n).map(|i| heat.capacity(state.material[i], state.mass[i], state.temperature[i])).collect(),
             walls: Rows::of_walls(n, &at_walls.collect::<Vec<_>>()),
             contacts: Rows::of_pairs(n, &contacts),
             bonds: Rows::of_pairs(n, &bonds),
+        };
+        if !heat.tables.conductivity.is_empty() {
+            let Network { contacts, bonds, walls, .. } = &mut network;
+            [contacts, bonds, walls].into_iter().for_each(Rows::depend_on_temperature);
+        }
+        network
+    }
+
+    /// Lets conductances and capacities follow temperatures, those of walls as they are now.
+    pub(crate) fn temper(&mut self, state: &State, plan: &Plan, heat: &HeatPlan, around: &Surroundings) {
+        let State { temperature, material, mass, .. } = state;
+        if !heat.tables.conductivity.is_empty() {
+            for rows in [&mut self.contacts, &mut self.bonds] {
+                rows.temper(|i, j, unit| {
+                    heat.tempered(unit, [material[i], material[j]], [temperature[i], temperature[j]])
+                });
+            }
+            self.walls.temper(|i, wall, unit| {
+                let materials = [material[i], plan.walls[wall].material];
+                heat.tempered(unit, materials, [temperature[i], around.walls[wall]])
+            });
+        }
+        if !heat.tables.specific_heat.is_empty() {
+            self.capacity = (0..state.len())
+                .into_par_iter()
+                .with_min_len(CHUNK)
+                .map(|i| heat.capacity(material[i], mass[i], temperature[i]))
+                .collect();
         }
     }
 

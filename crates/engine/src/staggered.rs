@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 use std::time::Instant;
-use tdem_physics::heat::warming::warmed;
 
 /// What heat and motion took so far, since a simulation was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,7 +94,12 @@ impl Staggered {
     /// Finds the heat rates that belong to the present moment: in the explicit scheme those with which the step that follows
     /// begins, and the number of its parts.
     fn rate(&mut self) {
-        let Some((heat, scheme)) = advancing(&self.plan) else { return };
+        let plan = Arc::clone(&self.plan);
+        let Some((heat, scheme)) = advancing(&plan) else { return };
+        let now = Span { from: self.span().from, until: self.span().from };
+        if !heat.tables.is_empty() {
+            self.network.temper(&self.state, &plan, heat, &Surroundings::during(now, scheme, heat));
+        }
         let (temperature, exposure) = (&self.state.temperature, &self.state.exposure);
         let span = match scheme {
             Scheme::Explicit => {
@@ -105,7 +109,7 @@ impl Staggered {
                 self.parts = ((span.until - span.from) / longest).ceil().max(1.0) as u64;
                 span.part(0, self.parts)
             }
-            Scheme::Implicit => Span { from: self.span().from, until: self.span().from },
+            Scheme::Implicit => now,
         };
         self.rates = self.network.rates(temperature, exposure, heat, &Surroundings::during(span, scheme, heat));
     }
@@ -125,11 +129,12 @@ impl Staggered {
                 for part in 0..parts {
                     let around = Surroundings::during(span.part(part, parts), scheme, heat);
                     if part > 0 {
+                        self.network.temper(&self.state, &plan, heat, &around);
                         let (temperature, exposure) = (&self.state.temperature, &self.state.exposure);
                         self.rates = self.network.rates(temperature, exposure, heat, &around);
                     }
                     let step = if parts == 1 { plan.heat_step() } else { plan.heat_step() / parts as f64 };
-                    self.warm(&around.prescribed, step)?;
+                    self.warm(heat, &around.prescribed, step)?;
                     self.turns.passes += 1;
                 }
             }
@@ -140,30 +145,29 @@ impl Staggered {
                 let (rates, iterations) = solved.map_err(|stuck| self.stuck(&stuck))?;
                 self.rates = rates;
                 self.turns.passes += iterations;
-                self.warm(&around.prescribed, step)?;
+                self.warm(heat, &around.prescribed, step)?;
             }
         }
         Ok(())
     }
 
     /// Lets temperatures follow the heat rates over some time, s, and books what came in and out meanwhile.
-    fn warm(&mut self, prescribed: &[Option<f64>], step: f64) -> Result<(), Fault> {
-        let (state, capacity, rates) = (&mut self.state, &self.network.capacity, &self.rates);
-        let exposure = &state.exposure;
-        let wrong = state
-            .temperature
+    fn warm(&mut self, heat: &HeatPlan, prescribed: &[Option<f64>], step: f64) -> Result<(), Fault> {
+        let (State { exposure, material, mass, temperature, heat_accounts, .. }, rates) =
+            (&mut self.state, &self.rates);
+        let wrong = temperature
             .par_chunks_mut(CHUNK)
-            .zip(optional(&mut state.heat_accounts))
+            .zip(optional(heat_accounts))
             .enumerate()
             .filter_map(|(chunk, (temperature, accounts))| {
                 let mut wrong = None;
                 for k in 0..temperature.len() {
                     let i = chunk * CHUNK + k;
-                    let free = warmed(temperature[k], rates.total[i], capacity[i], step);
+                    let free = heat.warmed(material[i], mass[i], temperature[k], rates.total[i], step);
                     let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
                     if let Some(account) = accounts.get_mut(k) {
                         book(account, rates.foreign[i] * step);
-                        book(account, capacity[i] * (now - free));
+                        book(account, heat.heat_between(material[i], mass[i], free, now));
                     }
                     temperature[k] = now;
                     if !(now > 0.0 && now.is_finite()) {

@@ -15,12 +15,14 @@
 //! * [`conduction`] what goes through a contact or a bond
 //! * [`surface`] what goes through the surface of a group: flux, convection, radiation
 //! * [`warming`] how temperature and radius follow
+//! * [`table`] what depends on temperature
 //!
 //! # References
 //! Pacevič & Kačeniauskas (2022), eqs. 4 to 7; Rojek (2014), where the bar between two particles comes from.
 
 pub mod conduction;
 pub mod surface;
+pub mod table;
 pub mod warming;
 
 pub use conduction::{Conductor, Link, Path};

@@ -30,8 +30,8 @@ mod heat;
 mod members;
 
 pub use bonds::{
-    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, LocalDamping,
-    ReversedHistory, TurnOrientation,
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTempered, BondTotal, ContactBegun,
+    LocalDamping, ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, RampLine,
@@ -39,7 +39,8 @@ pub use formulas::{
     TouchOfSpheres, TouchOfWall,
 };
 pub use heat::{
-    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, SurfaceHeat, Warmed,
+    AtWall, BetweenSpheres, FreeStrain, Grown, HeatAlong, HeatFlow, HeatRise, LinkBetween, LinkConductance,
+    MeanTemperature, SurfaceHeat, TakenIn, TemperedConductance, Warmed,
 };
 pub use members::{Members, Parameter, Parameters};
 
@@ -195,6 +196,7 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
     let bond::Law { form, damping } = law;
     vec![
         entry(&BondBetween { damping }),
+        entry(&BondTempered),
         entry(&BondRest),
         match form {
             Form::Total => entry(&BondTotal { damping }),
@@ -229,6 +231,11 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&BetweenSpheres { path }),
         entry(&AtWall { path }),
         entry(&HeatFlow),
+        entry(&TemperedConductance),
+        entry(&MeanTemperature),
+        entry(&HeatAlong),
+        entry(&HeatRise),
+        entry(&TakenIn),
         entry(&LinkBetween),
         entry(&LinkConductance),
         entry(&FreeStrain),

@@ -174,6 +174,7 @@ fn what_bonds_need_has_the_bits_of_the_law() {
         },
         |_, _| {},
     );
+    alone(print::BondTempered, |rng| (rng.bond(), rng.size(-8, 2), rng.size(-8, 2)));
     alone(print::BondRest, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.number(-16, -6)));
     alone(print::ReversedHistory, |rng| (rng.history(),));
     alone(print::BondLoss, |rng| {
@@ -224,6 +225,19 @@ fn heat_has_the_bits_of_the_law() {
         |_, _| {},
     );
     alone(print::HeatFlow, |rng| (rng.size(-20, 4), rng.size(7, 11), rng.size(7, 11)));
+    alone(print::TemperedConductance, |rng| (rng.size(-20, 4), rng.size(-8, 8), rng.size(-8, 8)));
+    alone(print::MeanTemperature, |rng| (rng.size(7, 11), rng.size(7, 11)));
+    alone(print::TakenIn, |rng| (rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
+    // Specific heats of two points, and where a body is between them.
+    let piece = |rng: &mut Rng| (rng.size(7, 9), rng.size(7, 12), rng.size(10, 11), rng.size(7, 12), rng.size(9, 10));
+    alone(print::HeatAlong, |rng| {
+        let (start, low, end, high, from) = piece(rng);
+        (start, low, end, high, from, rng.size(9, 10))
+    });
+    alone(print::HeatRise, |rng| {
+        let (start, low, end, high, from) = piece(rng);
+        (start, low, end, high, from, rng.number(-4, 12))
+    });
     alone(print::LinkBetween, |rng| {
         let (radii, expansions) = ([rng.size(-9, -2), rng.size(-9, -2)], [rng.size(-20, -10), rng.size(-20, -10)]);
         (rng.conductor(), radii, expansions)

@@ -15,7 +15,7 @@ use super::pieces::split;
 use super::{CHUNK, Cpu, Width};
 use crate::energy_accounts::DAMPING;
 use crate::evaluate::quaternion;
-use crate::{BondHistory, Breakage, HeatPlan};
+use crate::{BondHistory, BondTables, Breakage, HeatPlan};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::bond::{
@@ -46,6 +46,7 @@ pub(super) struct Scene<'a> {
     period: Option<Period<f64>>,
     step: f64,
     heat: Option<Warm<'a>>,
+    tempering: Option<Tempering<'a>>,
 }
 
 /// What bonds look at that expand.
@@ -54,6 +55,13 @@ struct Warm<'a> {
     plan: &'a HeatPlan,
     bodies: &'a Bodies,
     bonds: &'a Bonds,
+}
+
+/// What bonds look at whose numbers depend on temperature.
+#[derive(Clone, Copy)]
+struct Tempering<'a> {
+    tables: &'a BondTables,
+    temperature: &'a [f64],
 }
 
 /// What a bond loop writes: the rows of a chunk of particles.
@@ -123,6 +131,9 @@ impl Cpu {
             law: self.plan.bonds.as_ref()?.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
+            tempering: (self.plan.bonds.as_ref().map(|bonds| &bonds.tables))
+                .filter(|tables| !tables.is_empty())
+                .map(|tables| Tempering { tables, temperature: &self.bodies.temperature }),
             heat: (self.plan.heat.as_ref().filter(|heat| heat.expands())).map(|plan| Warm {
                 plan,
                 bodies: &self.bodies,
@@ -231,8 +242,23 @@ impl Scene<'_> {
     fn joint(&self, i: usize, j: usize) -> &Joint<f64> {
         &self.joints[self.materials_of(i, j)]
     }
+    /// The numbers of a bond at its temperature.
     #[inline(always)]
     fn numbers(&self, slot: usize) -> Bond<f64> {
+        let bond = self.numbers_as_made(slot);
+        let Some([stiffness, strength]) = self.factors(slot) else { return bond };
+        bond.tempered(stiffness, strength)
+    }
+    /// Factors on stiffness and strength, if they depend on temperature.
+    #[inline(always)]
+    fn factors(&self, slot: usize) -> Option<[f64; 2]> {
+        let Tempering { tables, temperature } = self.tempering?;
+        let (i, j) = self.pair(slot);
+        Some(tables.factors(self.materials_of(i, j), [temperature[i], temperature[j]]))
+    }
+    /// Its numbers but for the temperature.
+    #[inline(always)]
+    fn numbers_as_made(&self, slot: usize) -> Bond<f64> {
         let strength = self.strength[slot];
         let ((i, j), offset) = (self.pair(slot), self.bonded_offset(slot));
         if let Some(alike) = self.alike {

@@ -15,7 +15,7 @@ use tdem_physics::Vec3;
 use tdem_physics::contact::{touch_spheres, touch_wall};
 use tdem_physics::heat::Link;
 use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
-use tdem_physics::heat::warming::{grown, warmed};
+use tdem_physics::heat::warming::grown;
 
 /// What pairs conduct from the row's particle's side, W; room that is kept from step to step.
 #[derive(Default)]
@@ -70,16 +70,15 @@ impl Cpu {
             .map(|(chunk, (temperature, place, (motion, force), (material, exposure), rank, reference, accounts))| {
                 let (mut growth, mut wrong) = (Growth::default(), u32::MAX);
                 for i in 0..temperature.len() {
-                    let thermal = &heat.materials[usize::from(material[i])];
-                    let capacity = motion[i].scalar() * thermal.specific_heat;
-                    let free = warmed(temperature[i], force[i].scalar(), capacity, step);
+                    let mass = motion[i].scalar();
+                    let free = heat.warmed(material[i], mass, temperature[i], force[i].scalar(), step);
                     let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
                     if let Some(account) = accounts.get_mut(i) {
-                        book(account, capacity * (now - free));
+                        book(account, heat.heat_between(material[i], mass, free, now));
                     }
                     temperature[i] = now;
                     if let Some(&reference) = reference.get(i) {
-                        let radius = grown(reference, thermal.expansion, now - heat.reference_temperature);
+                        let radius = grown(reference, heat.expansion(material[i]), now - heat.reference_temperature);
                         let one = Growth {
                             since_listed: radius - listed[chunk * CHUNK + i],
                             shrinkage: place[i].0[3] - radius,
@@ -212,9 +211,10 @@ impl Conduction<'_> {
         let offset = self.plan.domain.period().nearest(place(j).vector() - place(i).vector());
         let (first, second) = (place(i).scalar(), place(j).scalar());
         let touch = touch_spheres(offset, first + second);
-        let conductor = self.heat.conductor(self.bodies.material[i], self.bodies.material[j]);
+        let materials = [i, j].map(|k| self.bodies.material[k]);
+        let conductor = self.heat.conductor(materials[0], materials[1]);
         let conductance = between_spheres(self.heat.contacts, conductor, first, second, &touch);
-        flow(conductance, self.bodies.temperature[i], self.bodies.temperature[j])
+        self.flow(conductance, materials, [i, j].map(|k| self.bodies.temperature[k]))
     }
     /// Whether a contact acts beside a bond that holds: then the bond alone conducts.
     fn beside_bond(&self, i: usize, j: usize) -> bool {
@@ -226,9 +226,10 @@ impl Conduction<'_> {
         let place = &self.bodies.place[i];
         let described = &self.plan.walls[wall];
         let touch = touch_wall(place.vector(), place.scalar(), position[wall].into(), described.normal.into());
-        let conductor = self.heat.conductor(self.bodies.material[i], described.material);
+        let materials = [self.bodies.material[i], described.material];
+        let conductor = self.heat.conductor(materials[0], materials[1]);
         let conductance = at_wall(self.heat.contacts, conductor, place.scalar(), &touch);
-        flow(conductance, self.bodies.temperature[i], temperature)
+        self.flow(conductance, materials, [self.bodies.temperature[i], temperature])
     }
     /// Heat rate into the row's particle through a bond, W.
     fn bond(&self, slot: usize) -> f64 {
@@ -238,7 +239,14 @@ impl Conduction<'_> {
         let (i, j) = (self.bonds.owner[slot] as usize, self.bonds.other[slot] as usize);
         let offset: Vec3<f64> = self.bonds.offset[slot].into();
         let link = link(self.heat, self.bodies, self.bonds, slot);
-        flow(link.conductance(offset.dot(offset).sqrt()), self.bodies.temperature[i], self.bodies.temperature[j])
+        let (materials, temperatures) =
+            ([i, j].map(|k| self.bodies.material[k]), [i, j].map(|k| self.bodies.temperature[k]));
+        self.flow(link.conductance(offset.dot(offset).sqrt()), materials, temperatures)
+    }
+    /// Heat rate into the first of two, whose conductance follows their temperatures where conductivities do, W.
+    #[inline(always)]
+    fn flow(&self, conductance: f64, materials: [u16; 2], temperatures: [f64; 2]) -> f64 {
+        flow(self.heat.tempered(conductance, materials, temperatures), temperatures[0], temperatures[1])
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Formula;
 use crate::Real;
 use crate::contact::Touch;
-use crate::heat::{Conductor, Exchange, Link, Path, conduction, warming};
+use crate::heat::{Conductor, Exchange, Link, Path, conduction, table, warming};
 
 /// [`conduction::between_spheres`].
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,91 @@ impl Formula for HeatFlow {
     #[inline(always)]
     fn apply<R: Real>(&self, (conductance, first_temperature, second_temperature): Self::Input<R>) -> Self::Output<R> {
         (conduction::flow(conductance, first_temperature, second_temperature),)
+    }
+}
+
+/// [`conduction::tempered`].
+#[derive(Clone, Copy, Debug)]
+pub struct TemperedConductance;
+
+impl Formula for TemperedConductance {
+    const NAME: &'static str = "tempered_conductance";
+    const INPUTS: &'static [&'static str] = &["unit_conductance", "first", "second"];
+    const OUTPUTS: &'static [&'static str] = &["conductance"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (unit_conductance, first, second): Self::Input<R>) -> Self::Output<R> {
+        (conduction::tempered(unit_conductance, first, second),)
+    }
+}
+
+/// [`table::mean_temperature`].
+#[derive(Clone, Copy, Debug)]
+pub struct MeanTemperature;
+
+impl Formula for MeanTemperature {
+    const NAME: &'static str = "mean_temperature";
+    const INPUTS: &'static [&'static str] = &["first", "second"];
+    const OUTPUTS: &'static [&'static str] = &["mean"];
+    type Input<R: Real> = (R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second): Self::Input<R>) -> Self::Output<R> {
+        (table::mean_temperature(first, second),)
+    }
+}
+
+/// [`table::heat_along`].
+#[derive(Clone, Copy, Debug)]
+pub struct HeatAlong;
+
+impl Formula for HeatAlong {
+    const NAME: &'static str = "heat_along";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value", "from", "to"];
+    const OUTPUTS: &'static [&'static str] = &["heat"];
+    type Input<R: Real> = (R, R, R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, low, end, high, from, to): Self::Input<R>) -> Self::Output<R> {
+        (table::heat_along([start, low], [end, high], from, to),)
+    }
+}
+
+/// [`table::rise`].
+#[derive(Clone, Copy, Debug)]
+pub struct HeatRise;
+
+impl Formula for HeatRise {
+    const NAME: &'static str = "heat_rise";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value", "from", "heat"];
+    const OUTPUTS: &'static [&'static str] = &["rise"];
+    type Input<R: Real> = (R, R, R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, low, end, high, from, heat): Self::Input<R>) -> Self::Output<R> {
+        (table::rise([start, low], [end, high], from, heat),)
+    }
+}
+
+/// [`warming::taken_in`].
+#[derive(Clone, Copy, Debug)]
+pub struct TakenIn;
+
+impl Formula for TakenIn {
+    const NAME: &'static str = "heat_taken_in";
+    const INPUTS: &'static [&'static str] = &["heat_rate", "mass", "heat_dt"];
+    const OUTPUTS: &'static [&'static str] = &["heat"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (heat_rate, mass, heat_dt): Self::Input<R>) -> Self::Output<R> {
+        (warming::taken_in(heat_rate, mass, heat_dt),)
     }
 }
 

@@ -121,6 +121,7 @@ pub(crate) fn bonded() -> (State, Plan) {
     let bonds = BondPlan {
         law: bond::Law { form: Form::Total, damping: Damping::Viscous },
         joints: vec![Some(Joint { cement, stiffness_per_area: 2e7, young_modulus: 0.0 })],
+        tables: BondTables::default(),
         contact_in_bonded_pairs: false,
         local_damping: 0.0,
     };

@@ -9,7 +9,7 @@ use super::scene::{HELD, Scene};
 use super::{Case, Tier};
 use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
 use tdem_engine::physics::heat::{Conductor, Exchange, Path};
-use tdem_engine::{Course, Exposure, HeatPlan, Motion, Thermal};
+use tdem_engine::{Course, Exposure, HeatPlan, Motion, Thermal, ThermalTables};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -243,6 +243,7 @@ impl Scene {
             reference_temperature: ROOM,
             materials: (0..count).map(|k| thermal(material(k))).collect(),
             conductors: (0..count * count).map(|k| conductor(k / count, k % count)).collect(),
+            tables: ThermalTables::default(),
             contacts,
             exposures: vec![Exposure::default()],
             walls: vec![None; self.plan.walls.len()],

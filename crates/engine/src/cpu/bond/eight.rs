@@ -58,7 +58,7 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
         ask_ahead(scene, base + AHEAD);
         let ends = load_ends::<R>(scene, period.as_ref(), &group);
         let bonded_offset = R::load_triples(scene.offset, &group.slot);
-        let bond = numbers(scene, only, &group, &ends, bonded_offset);
+        let bond = tempered(scene, &group, numbers(scene, only, &group, &ends, bonded_offset));
         let (history, reaction) = respond(scene, rows, &group, &ends, bonded_offset, &bond);
         let fails = if scene.step > 0.0 { group.active & R::bits(reaction.failure.gt(zero)) } else { 0 };
         for l in (0..WIDTH).filter(|l| fails >> l & 1 != 0) {
@@ -149,6 +149,21 @@ fn respond<R: Eight>(
             (Some(history), reaction)
         }
     }
+}
+
+/// Eight bonds at their temperatures.
+#[inline(always)]
+fn tempered<R: Eight>(scene: &Scene<'_>, group: &Group, bond: Bond<R>) -> Bond<R> {
+    if scene.tempering.is_none() {
+        return bond;
+    }
+    let mut factors = [[1.0; WIDTH]; 2];
+    for l in 0..WIDTH {
+        if let Some([stiffness, strength]) = scene.factors(group.slot[l] as usize) {
+            (factors[0][l], factors[1][l]) = (stiffness, strength);
+        }
+    }
+    bond.tempered(R::from_array(factors[0]), R::from_array(factors[1]))
 }
 
 /// Strains that eight bonds take up without force.
