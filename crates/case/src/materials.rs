@@ -32,11 +32,12 @@ impl Materials {
             .map(|m| Elastic { young_modulus: m.young_modulus.get(), poisson_ratio: m.poisson_ratio.get() })
             .collect();
         let mut density: Vec<f64> = case.material.values().map(|m| m.density.get()).collect();
-        let mut thermal: Vec<Conducting> = case.material.values().map(Conducting::of).collect();
+        let zero = case.heat.as_ref().map_or(0.0, |heat| heat.scale.zero());
+        let mut thermal: Vec<Conducting> = case.material.values().map(|of| Conducting::of(of, zero)).collect();
         names.push(RIGID.to_owned());
         elastic.push(Elastic::RIGID);
         density.push(f64::INFINITY);
-        thermal.push(Conducting::NOTHING);
+        thermal.push(Conducting::nothing());
         let count = names.len();
         let mut materials = Materials { names, elastic, density, thermal, given: vec![None; count * count] };
         for (k, interaction) in case.interaction.iter().enumerate() {

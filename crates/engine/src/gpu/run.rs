@@ -255,6 +255,7 @@ impl<R: Runtime> Gpu<R> {
                 thermals: &self.heat.thermals,
                 exposure: &self.heat.exposure,
                 exposures: &self.heat.exposures,
+                specific_heats: &self.heat.specific_heats,
                 heat_in: &self.heat.came_in,
                 heat_out: &self.heat.went_out,
             },
@@ -316,6 +317,9 @@ impl<R: Runtime> Gpu<R> {
             conductors: &self.heat.conductors,
             links: &self.heat.links,
             bond_flow: &bonds.apart.flow,
+            pieces: &self.constants.pieces,
+            conductivities: &self.heat.conductivities,
+            factors: &self.heat.factors,
         }
     }
 
@@ -365,6 +369,8 @@ impl<R: Runtime> Gpu<R> {
                 exposure: &self.heat.exposure,
                 exposures: &self.heat.exposures,
                 exchanges: &self.heat.exchanges,
+                conductivities: &self.heat.conductivities,
+                factors: &self.heat.factors,
                 heat_in: &self.heat.came_in,
                 heat_out: &self.heat.went_out,
             },
@@ -452,6 +458,9 @@ impl<R: Runtime> Gpu<R> {
             exposure: &self.heat.exposure,
             exposures: &self.heat.exposures,
             exchanges: &self.heat.exchanges,
+            conductivities: &self.heat.conductivities,
+            specific_heats: &self.heat.specific_heats,
+            factors: &self.heat.factors,
         }
     }
 

@@ -136,7 +136,9 @@ pub(crate) fn temper(plan: &mut Plan) {
     };
     if let Some(bonds) = &mut plan.bonds {
         let falling = |to: f64| Table(vec![[293.15, 1.0], [400.0, 0.5 * (1.0 + to)], [520.0, to]]);
-        let of_pairs = |to: f64| (0..materials * materials).map(|k| falling(to - 0.1 * (k % 3 % 2) as f64)).collect();
+        let of_pairs = |to: f64| {
+            (0..materials * materials).map(|k| falling(if k % (materials + 1) == 0 { to } else { to - 0.1 })).collect()
+        };
         let stiffness = if bonds.remembers() { Vec::new() } else { of_pairs(0.4) };
         bonds.tables = BondTables { stiffness, strength: of_pairs(0.7) };
     }

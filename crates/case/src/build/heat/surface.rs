@@ -57,7 +57,8 @@ pub(super) fn expose(
                 return 0;
             }
             *known.entry((material, of)).or_insert_with(|| {
-                let conductivity = context.materials.thermal[usize::from(material)].conductivity;
+                let table = &context.materials.thermal[usize::from(material)].conductivity;
+                let conductivity = table.value(heat.initial_temperature + heat.scale.zero());
                 let mut exposure = Exposure::default();
                 for of_skin in &mut parts {
                     of_skin.push(None);

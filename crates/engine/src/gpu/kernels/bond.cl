@@ -26,6 +26,21 @@ DEVICE Bond bond_of(const Step step, const u32 i, const u32 j, const Sphere body
 #endif
 }
 
+#if BOND_TABLES
+// The numbers of a bond at the temperatures of its particles.
+DEVICE Bond bond_at(const Step step, const Bond bond, const u32 first, const u32 second, const real mine,
+                    const real theirs, const Heated heated)
+{
+    const Factors factors = heated.factors[first * step.materials + second];
+    real mean;
+    mean_temperature(mine, theirs, &mean);
+    Bond now;
+    bond_tempered(bond, property_at(heated.pieces, factors.stiffness, factors.end_stiffness, mean),
+                  property_at(heated.pieces, factors.strength, factors.end_strength, mean), &now);
+    return now;
+}
+#endif
+
 // The velocities of the end of the step, as well as they are known.
 DEVICE Sphere settled(Sphere sphere, const Vec3 kick, const Vec3 twist)
 {
@@ -194,6 +209,9 @@ kernel bond
             heated.thermals = thermals;
             heated.conductors = conductors;
             heated.links = links;
+            heated.conductivities = conductivities;
+            heated.factors = factors;
+            heated.pieces = pieces;
             const Sphere bonded_first = as_bonded(first, i, heated), bonded_second = as_bonded(second, j, heated);
             Reaction acting;
 #if BONDS_REMEMBER
@@ -209,7 +227,8 @@ kernel bond
             Bond numbers = bond_of(step, i, j, bonded_first, bonded_second, bonded_length, kind, joints, beams);
 #if HEAT
             const Link link = link_of(step, i, j, bonded_first, bonded_second, kind, heated);
-            const real flow = through_bond(link, bonded_length, temperature[i], temperature[j]);
+            const real flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature[i],
+                                           temperature[j], heated);
 #if EXPANDS
             posture.free_strain = strain_of(step, link, temperature[i], temperature[j]);
 #endif
@@ -217,6 +236,10 @@ kernel bond
 #if SCATTERED_BONDS
             numbers.tensile_strength *= bond_strength[b];
             numbers.shear_strength *= bond_strength[b];
+#endif
+#if BOND_TABLES
+            numbers = bond_at(step, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature[i], temperature[j],
+                              heated);
 #endif
 #if BONDS_REMEMBER
             Advance advance;
@@ -291,7 +314,7 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
 #if HEAT
     const Link link = link_of(step, i, j, first, second, kind, heated);
     const real theirs = heated.temperature[j];
-    *flow = through_bond(link, bonded_length, temperature, theirs);
+    *flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs, heated);
 #if EXPANDS
     posture.free_strain = strain_of(step, link, temperature, theirs);
 #endif
@@ -299,6 +322,9 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
 #if SCATTERED_BONDS
     numbers->tensile_strength *= bond_strength[BOND_SLOT(k, i)];
     numbers->shear_strength *= bond_strength[BOND_SLOT(k, i)];
+#endif
+#if BOND_TABLES
+    *numbers = bond_at(step, *numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs, heated);
 #endif
     Reaction acting;
     bond_total(body, partner, offset, posture, *numbers, &acting);

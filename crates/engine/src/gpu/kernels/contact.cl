@@ -51,8 +51,8 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             if (!beside_bond(step, i, j, heated.bond_other))
 #endif
 #if HEAT_THROUGH_CONTACTS
-                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch,
-                                                  heat->temperature, heated.temperature[j]);
+                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch, material,
+                                                  MATERIAL_OF(kind[j]), heat->temperature, heated.temperature[j], heated);
 #endif
             const Quad v = LOAD(motion, j);
 #if MOMENTS
@@ -164,8 +164,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
 #if HEAT_THROUGH_CONTACTS
             if (wall.first_piece < wall.end_piece)
-                heat->foreign += from_wall(CONDUCTOR(material, wall.material), body, touch, heat->temperature,
-                                           course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time));
+                heat->foreign += from_wall(CONDUCTOR(material, wall.material), body, touch, material, wall.material,
+                                           heat->temperature,
+                                           course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time),
+                                           heated);
 #endif
 #if FRICTION
             keep_displacement(displacement, k, i, step.frozen ? kept : response.displacement);

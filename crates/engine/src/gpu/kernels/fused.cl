@@ -22,6 +22,7 @@ kernel fused
                 const Constraint held = HELD(mine, step.time);
                 Heated heated;
                 LOOK_UP(heated);
+                heated.specific_heats = specific_heats;
                 Heat heat = heat_at(i, heated);
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS
