@@ -167,7 +167,7 @@ def check_heat(findings, frame, row):
     scale = row["highest_temperature"]
     for found, name in [(temperature.min(), "lowest"), (temperature.mean(), "mean"), (temperature.max(), "highest")]:
         findings.close(found, row[f"{name}_temperature"], scale, f"{where}: {name} temperature")
-    moved = abs(row["heat_in"]) + abs(row["heat_out"])
+    moved = abs(row["heat_in"]) + abs(row["heat_out"]) + abs(row["heat_made"])
     findings.check(abs(row["heat_error"]) <= 1e-9 * moved + 1e-12, f"{where}: {row['heat_error']} J of heat are unexplained")
 
 

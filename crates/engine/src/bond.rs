@@ -4,6 +4,7 @@ use crate::{Fault, Plan, State, Table};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::bond::{self, Coefficients, Failure, Form, History, Joint, Law};
+use tdem_physics::heat::expansion_work::of_softening;
 use tdem_physics::heat::table::mean_temperature;
 
 /// Two particles that are, or were, bonded.
@@ -126,6 +127,11 @@ impl BondTables {
         let mean = mean_temperature(temperatures[0], temperatures[1]);
         [&self.stiffness, &self.strength].map(|tables| tables.get(pair).map_or(1.0, |table| table.value(mean)))
     }
+    /// What the springs of such a bond gain per kelvin of either particle, J/K, if they hold so much energy, J.
+    pub(crate) fn softening(&self, pair: usize, temperatures: [f64; 2], energy: f64) -> f64 {
+        let mean = mean_temperature(temperatures[0], temperatures[1]);
+        self.stiffness.get(pair).map_or(0.0, |table| of_softening(energy, table.value(mean), table.slope(mean)))
+    }
     /// Whether each list is for all pairs or for none, and no value is out of range.
     fn are_sound(&self, pairs: usize) -> bool {
         let all = |tables: &[Table]| tables.is_empty() || tables.len() == pairs;
@@ -137,6 +143,10 @@ impl BondTables {
 }
 
 impl BondPlan {
+    /// Whether bonds have dashpots.
+    pub(crate) fn has_dashpots(&self) -> bool {
+        self.law.damping != bond::Damping::Off
+    }
     /// Whether bonds store forces.
     #[must_use]
     pub fn remembers(&self) -> bool {

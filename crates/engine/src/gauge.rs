@@ -5,6 +5,7 @@ use crate::ledger::sum;
 use crate::{Plan, State};
 use std::sync::Arc;
 use tdem_physics::Vec3;
+use tdem_physics::heat::Exchange;
 
 /// A group or two of which something is measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +41,7 @@ pub struct Surface {
 pub struct Part {
     /// Which of the exchanges; none if the particles themselves are held at a temperature.
     pub exchanges: std::ops::Range<usize>,
-    /// Between centre and surface, K/W.
+    /// Between centre and surface, K/W; of a conductivity of 1 where that depends on temperature.
     pub resistance: f64,
 }
 
@@ -170,9 +171,11 @@ impl Surface {
         }
         let now = plan.heat_time(state.step);
         let exchanges = &of.exchanges[part.exchanges.clone()];
+        let tempered = |exchange: &Exchange<f64>| heat.exchange(exchange, state.material[i], temperature);
         let rate = exchanges
             .iter()
-            .fold(0.0, |sum, (exchange, outside)| sum + exchange.heat_rate(temperature, outside.value(now)));
-        [temperature + rate * part.resistance, rate]
+            .fold(0.0, |sum, (exchange, outside)| sum + tempered(exchange).heat_rate(temperature, outside.value(now)));
+        let nothing = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: part.resistance };
+        [temperature + rate * tempered(&nothing).resistance, rate]
     }
 }

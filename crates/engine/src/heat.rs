@@ -6,7 +6,7 @@ use tdem_physics::bond;
 use tdem_physics::heat::conduction::tempered;
 use tdem_physics::heat::table::mean_temperature;
 use tdem_physics::heat::warming::{grown, taken_in, warmed};
-use tdem_physics::heat::{Conductor, Exchange, Link, Path};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Path};
 
 /// What a plan says of heat.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,13 +30,17 @@ pub struct HeatPlan {
     pub walls: Vec<Option<Course>>,
     /// What particles do while heat goes on.
     pub motion: Motion,
+    /// Which parts of the energy that motion loses become heat; anything but 0 needs a ledger, which knows the losses, and
+    /// heat that goes along with the motion.
+    pub dissipation: Dissipation<f64>,
 }
 
 /// Properties of materials that depend on temperature. Each list is for all materials, or empty where none depends on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ThermalTables {
     /// $\lambda(T)$, W/(m K), `(materials)`. A pair conducts with both values at its mean temperature, a particle at a wall
-    /// at theirs; then all [`HeatPlan::conductors`] have a conductivity of 1.
+    /// at theirs, and what lies before the centre of a particle at a surface at that of the particle; then all
+    /// [`HeatPlan::conductors`] have a conductivity of 1, and all exchanges are those through material of that conductivity.
     pub conductivity: Vec<Table>,
     /// $c(T)$, J/(kg K), `(materials)`, in the place of [`Thermal::specific_heat`].
     pub specific_heat: Vec<Table>,
@@ -89,10 +93,14 @@ pub mod heat_accounts {
     pub const IN: usize = 0;
     /// Left through them, positive.
     pub const OUT: usize = 1;
+    /// Made by friction and dashpots.
+    pub const MADE: usize = 2;
+    /// Not heat: work that expansion did on springs, which is energy of the motion.
+    pub const EXPANSION: usize = 3;
 }
 
 /// Books heat that came in, or left if it is negative, J.
-pub(crate) fn book(account: &mut [f64; 2], heat: f64) {
+pub(crate) fn book(account: &mut [f64; 4], heat: f64) {
     if heat > 0.0 {
         account[heat_accounts::IN] += heat;
     } else {
@@ -115,6 +123,14 @@ impl HeatPlan {
         let mean = mean_temperature(temperatures[0], temperatures[1]);
         let [first, second] = materials.map(|material| self.tables.conductivity[usize::from(material)].value(mean));
         tempered(conductance, first, second)
+    }
+    /// What a particle exchanges through a surface, at its temperature, K.
+    #[inline(always)]
+    pub(crate) fn exchange(&self, exchange: &Exchange<f64>, material: u16, temperature: f64) -> Exchange<f64> {
+        match self.tables.conductivity.get(usize::from(material)) {
+            None => *exchange,
+            Some(table) => exchange.tempered(table.value(temperature)),
+        }
     }
     /// $mc$ of a particle at its temperature, J/K.
     #[must_use]
@@ -142,6 +158,11 @@ impl HeatPlan {
     /// Whether heat goes along with the motion; not where the motion has its turn, and temperatures stay as they are.
     pub(crate) fn flows(&self) -> bool {
         self.time_scale > 0.0
+    }
+    /// Whether friction or dashpots make heat.
+    #[must_use]
+    pub fn makes_heat(&self) -> bool {
+        self.dissipation != Dissipation::default()
     }
     /// Whether any exposure lets heat in or out.
     pub(crate) fn exposes(&self) -> bool {
@@ -171,7 +192,10 @@ impl HeatPlan {
         let courses = self.exposures.iter().flat_map(|exposure| {
             exposure.temperature.iter().chain(exposure.exchanges.iter().map(|(_, outside)| outside))
         });
+        let part = |number: f64| (0.0..=1.0).contains(&number);
         positive(self.time_scale)
+            && part(self.dissipation.friction)
+            && part(self.dissipation.damping)
             && positive(self.reference_temperature)
             && self.materials.len() == plan.materials
             && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
@@ -228,6 +252,18 @@ impl Plan {
     #[must_use]
     pub fn expands(&self) -> bool {
         self.heat.as_ref().is_some_and(HeatPlan::expands)
+    }
+    /// Whether stiffnesses of bonds depend on temperature.
+    pub(crate) fn softens(&self) -> bool {
+        self.bonds.as_ref().is_some_and(|bonds| !bonds.tables.stiffness.is_empty())
+    }
+    /// Whether the ledger follows the work that expansion and softening do on springs.
+    pub(crate) fn books_expansion(&self) -> bool {
+        self.ledger && (self.expands() || self.heat.is_some() && self.softens())
+    }
+    /// Whether friction or dashpots make heat.
+    pub(crate) fn makes_heat(&self) -> bool {
+        self.heat.as_ref().is_some_and(HeatPlan::makes_heat)
     }
     /// Time of the heat after a number of steps, s.
     #[must_use]
@@ -296,6 +332,10 @@ impl State {
             "particles that expand have a radius at the reference temperature, others none",
         )?;
         check(
+            self.work_per_kelvin.is_empty() || plan.books_expansion() && self.work_per_kelvin.len() == n,
+            "work per kelvin is for all particles or none, and with a ledger only",
+        )?;
+        check(
             self.heat_accounts.is_empty() || self.heat_accounts.len() == n,
             "heat accounts are for all particles or none",
         )?;
@@ -305,6 +345,10 @@ impl State {
             "heat has numbers for every material, pair and wall, and courses that ascend in time",
         )?;
         heat.motion.validate(plan, heat)?;
+        check(
+            !heat.makes_heat() || plan.ledger && !heat.motion.takes_turns(),
+            "what makes heat by motion has a ledger, and heat that goes along with the motion",
+        )?;
         check(self.temperature.iter().all(|&t| t > 0.0 && t.is_finite()), "temperatures are above absolute zero")?;
         check(self.exposure.iter().all(|&e| usize::from(e) < heat.exposures.len()), "every exposure is in the plan")?;
         let incremental = plan.bonds.as_ref().is_some_and(|bonds| matches!(bonds.law.form, bond::Form::Incremental(_)));

@@ -4,7 +4,7 @@ mod heat;
 
 pub use heat::HeatLedger;
 
-use crate::{Contact, Plan, State, WallContact};
+use crate::{Contact, Plan, State, WallContact, heat_accounts};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::motion::sphere_inertia;
@@ -34,8 +34,9 @@ pub struct Ledger {
     pub stiffening_work: f64,
     /// Work of walls, prescribed motion and applied forces since the start, J.
     pub external_work: f64,
-    /// What the ledger does not explain: present + dissipated - work - initial, J; 0 without ledger. Where bodies expand it
-    /// holds the work of expansion, too.
+    /// Work that expansion did on springs since the start, and temperature where it changed their stiffness, J.
+    pub expansion_work: f64,
+    /// What the ledger does not explain: present + dissipated - work - initial, J; 0 without ledger.
     pub energy_error: f64,
     /// Touching pairs of particles.
     pub contacts: u64,
@@ -114,6 +115,7 @@ impl Ledger {
             sum(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
         let [friction, damping, stiffening, external] = sum(state.accounts.len(), |i| state.accounts[i]);
 
+        let [expansion] = sum(state.heat_accounts.len(), |i| [state.heat_accounts[i][heat_accounts::EXPANSION]]);
         let [elastic_bonds, bond_force, bonds, released] = sum(state.bonds.len(), |k| of_bond(state, plan, k));
         let holding = bonds as usize;
         let imbalance = Imbalance::mean(state, resultant, [pair_force, wall_size, bond_force], holding);
@@ -129,6 +131,7 @@ impl Ledger {
             breakage_dissipated: released,
             stiffening_work: stiffening,
             external_work: external,
+            expansion_work: expansion,
             energy_error: 0.0,
             contacts: state.contacts.len() as u64,
             wall_contacts: state.wall_contacts.len() as u64,
@@ -141,8 +144,8 @@ impl Ledger {
             wall_force: [fx, fy, fz],
         };
         if plan.ledger && state.accounts.len() == state.len() {
-            ledger.energy_error =
-                ledger.mechanical() + (friction + damping + released) - stiffening - external - state.initial_energy;
+            let left = ledger.mechanical() + (friction + damping + released);
+            ledger.energy_error = left - stiffening - external - expansion - state.initial_energy;
         }
         ledger
     }
@@ -162,6 +165,19 @@ impl Ledger {
     pub fn kinetic(&self) -> f64 {
         self.kinetic_translation + self.kinetic_rotation
     }
+}
+
+/// Energy in all springs, J, with the same bits for any number of threads.
+pub(crate) fn elastic_energy(state: &State, plan: &Plan) -> f64 {
+    let both = |[normal, tangential]: [f64; 2]| normal + tangential;
+    let [pairs] = sum(state.contacts.len(), |k| {
+        [state.evaluate(plan, &state.contacts[k]).map_or(0.0, |found| both(found.stored_energy()))]
+    });
+    let [walls] = sum(state.wall_contacts.len(), |k| {
+        [state.evaluate_at_wall(plan, &state.wall_contacts[k]).map_or(0.0, |found| both(found.stored_energy()))]
+    });
+    let [bonds] = sum(state.bonds.len(), |k| [of_bond(state, plan, k)[0]]);
+    pairs + walls + bonds
 }
 
 /// How far from equilibrium particles are.

@@ -27,6 +27,8 @@ const CHUNK: usize = 1024;
 pub(crate) struct Network {
     /// $mc$ at the temperatures at which conductances are, J/K, `(N)`.
     pub(crate) capacity: Vec<f64>,
+    /// Of particles, `(N)`, where conductivities depend on temperature; else empty.
+    material: Vec<u16>,
     contacts: Rows,
     bonds: Rows,
     walls: Rows,
@@ -89,6 +91,7 @@ impl Network {
             (touch.overlap > 0.0).then(|| (i as u32, contact.wall, at_wall(heat.contacts, conductor, radius, &touch)))
         });
         let mut network = Network {
+            material: if heat.tables.conductivity.is_empty() { Vec::new() } else { state.material.clone() },
             capacity: (0..n).map(|i| heat.capacity(state.material[i], state.mass[i], state.temperature[i])).collect(),
             walls: Rows::of_walls(n, &at_walls.collect::<Vec<_>>()),
             contacts: Rows::of_pairs(n, &contacts),
@@ -135,7 +138,10 @@ impl Network {
         let exposure = usize::from(exposure);
         let from_walls = self.walls.flow(particle, temperature, &around.walls);
         let exchanges = heat.exposures[exposure].exchanges.iter().zip(&around.outside[exposure]);
-        exchanges.fold(from_walls, |sum, ((exchange, _), &outside)| sum + exchange.heat_rate(temperature, outside))
+        let material = self.material.get(particle).copied().unwrap_or(0);
+        exchanges.fold(from_walls, |sum, ((exchange, _), &outside)| {
+            sum + heat.exchange(exchange, material, temperature).heat_rate(temperature, outside)
+        })
     }
     /// How much less comes in from walls and through the surface per kelvin of a particle, W/K.
     fn sensitivity(
@@ -148,8 +154,9 @@ impl Network {
     ) -> f64 {
         let exposure = usize::from(exposure);
         let exchanges = heat.exposures[exposure].exchanges.iter().zip(&around.outside[exposure]);
+        let material = self.material.get(particle).copied().unwrap_or(0);
         exchanges.fold(self.walls.sum(particle), |sum, ((exchange, _), &outside)| {
-            sum + exchange.sensitivity(temperature, outside)
+            sum + heat.exchange(exchange, material, temperature).sensitivity(temperature, outside)
         })
     }
 
@@ -186,6 +193,10 @@ impl Network {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.capacity[..]) + self.contacts.bytes() + self.bonds.bytes() + self.walls.bytes()
+        size_of_val(&self.capacity[..])
+            + size_of_val(&self.material[..])
+            + self.contacts.bytes()
+            + self.bonds.bytes()
+            + self.walls.bytes()
     }
 }

@@ -44,6 +44,8 @@ pub(crate) struct Staggered {
     parts: u64,
     turns: Turns,
     searches: u64,
+    /// By how much a radius shrank at most in this step of the heat, m.
+    shrunk: f64,
     /// Bytes that the motion held in its last turn.
     motion_bytes: usize,
 }
@@ -68,12 +70,13 @@ impl Staggered {
             device,
             plan: Arc::new(plan.clone()),
             pool: Arc::new(pool),
-            state: motion.capture()?.state()?,
+            state: relaxation::at_rest(motion.capture()?.state()?),
             network: Network::default(),
             rates: Rates::default(),
             parts: 1,
             turns: Turns::default(),
             searches: motion.searches(),
+            shrunk: 0.0,
             motion_bytes: 0,
         };
         staggered.link();
@@ -195,7 +198,10 @@ impl Staggered {
     /// One step of the simulation.
     fn step(&mut self) -> Result<(), Fault> {
         let pool = Arc::clone(&self.pool);
-        pool.install(|| self.heat())?;
+        pool.install(|| {
+            let before = self.elastic_energy();
+            self.heat().map(|()| self.expand(before))
+        })?;
         if self.relax()? {
             self.state.step += 1;
             self.link();

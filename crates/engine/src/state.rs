@@ -67,8 +67,11 @@ pub struct State {
     pub exposure: Vec<u16>,
     /// $R_0$, m, `(N)`: the radius at the reference temperature; empty where nothing expands.
     pub reference_radius: Vec<f64>,
-    /// Heat accounts of each particle, J, `(N, 2)`, see [`crate::heat_accounts`]; empty without ledger or heat.
-    pub heat_accounts: Vec<[f64; 2]>,
+    /// Heat accounts of each particle, J, `(N, 4)`, see [`crate::heat_accounts`]; empty without ledger or heat.
+    pub heat_accounts: Vec<[f64; 4]>,
+    /// $\partial U/\partial T$: how much the energy in all springs grows per kelvin of a particle, J/K, `(N)`; for the
+    /// ledger, empty where there is none or nothing expands. Like `force` it belongs to the present.
+    pub work_per_kelvin: Vec<f64>,
 }
 
 /// Columns of [`State::accounts`], each summed over all steps.
@@ -136,9 +139,8 @@ impl State {
         [&self.position, &self.velocity, &self.angular_velocity, &self.force, &self.moment, &self.bonded_position]
             .into_iter()
             .map(|field| size(field))
-            .chain(
-                [&self.radius, &self.mass, &self.temperature, &self.heat_rate, &self.reference_radius].map(|f| size(f)),
-            )
+            .chain([&self.radius, &self.mass, &self.temperature, &self.heat_rate].map(|field| size(field)))
+            .chain([&self.reference_radius, &self.work_per_kelvin].map(|field| size(field)))
             .chain([&self.material, &self.constraint, &self.exposure].map(|field| size(field)))
             .sum::<usize>()
             + size(&self.id)
@@ -194,7 +196,7 @@ impl State {
         self.bond_histories.iter().flat_map(BondHistory::numbers).for_each(|v| word(real(v)));
         self.temperature.iter().chain(&self.heat_rate).chain(&self.reference_radius).for_each(|&v| word(real(v)));
         self.exposure.iter().for_each(|&v| word(v.into()));
-        self.heat_accounts.iter().flatten().for_each(|&v| word(real(v)));
+        self.heat_accounts.iter().flatten().chain(&self.work_per_kelvin).for_each(|&v| word(real(v)));
         hasher.digest128()
     }
 }

@@ -1,7 +1,7 @@
 //! Tables over temperature: what a plan says of properties that depend on it.
 
 use crate::plan::{Piece, piece, pieces, value_at};
-use tdem_physics::heat::table::{heat_along, rise};
+use tdem_physics::heat::table::{heat_along, rise, slope};
 
 /// A property over temperature: points of temperature, K, and value; straight between them, constant below the first and
 /// above the last. Temperatures ascend strictly.
@@ -18,6 +18,12 @@ impl Table {
     #[must_use]
     pub fn value(&self, temperature: f64) -> f64 {
         value_at(&self.0, temperature)
+    }
+    /// By how much the value changes per kelvin at a temperature.
+    #[must_use]
+    pub fn slope(&self, temperature: f64) -> f64 {
+        let Piece { start, end, .. } = self.piece(self.piece_of(temperature));
+        slope(start, end)
     }
     /// The largest value.
     #[must_use]

@@ -5,7 +5,9 @@
 mod common;
 
 use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
-use common::heated::{EXPANSION, REFERENCE, heat_of, heated, heated_block, in_turns, temper, warm_block, warm_cloud};
+use common::heated::{
+    EXPANSION, REFERENCE, heat_of, heated, heated_block, in_turns, keep_books, temper, warm_block, warm_cloud,
+};
 use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
@@ -58,6 +60,7 @@ fn assert_same(found: &State, expected: &State, what: &str) {
     differ(what, "temperature", &found.temperature, &expected.temperature);
     differ(what, "heat rate", &found.heat_rate, &expected.heat_rate);
     differ(what, "heat accounts", &found.heat_accounts, &expected.heat_accounts);
+    differ(what, "work per kelvin", &found.work_per_kelvin, &expected.work_per_kelvin);
     differ(what, "radius", &found.radius, &expected.radius);
     differ(what, "derivatives", &found.derivatives, &expected.derivatives);
     differ(what, "accounts", &found.accounts, &expected.accounts);
@@ -220,7 +223,7 @@ fn same_bits_with_heat_while_bonds_break() {
         (stored, verlet, false, true, Path::Bar, 0.0),
     ] {
         let (state, mut plan) = warm_block(law, integrator, expansion);
-        plan.ledger = ledger;
+        keep_books(&mut plan, ledger);
         heat_of(&mut plan).contacts = path;
         plan.bonds.as_mut().expect("the plan has bonds").contact_in_bonded_pairs = beside;
         assert!(tdem_engine::gpu::source(&state, &plan).contains("#define ALIKE_LINKS 0"));
@@ -237,7 +240,7 @@ fn same_bits_with_heat_while_every_step_searches() {
         [(ELASTIC, Integrator::VelocityVerlet, true, EXPANSION), (STORED, Integrator::Gear, false, 0.0)]
     {
         let (mut state, mut plan) = warm_block(law, integrator, expansion);
-        plan.ledger = ledger;
+        keep_books(&mut plan, ledger);
         plan.search.every_step = true;
         plan.search.skin = 0.0;
         let cooling = Course(vec![[0.0, 500.0], [30.0, 250.0]]);
@@ -319,7 +322,7 @@ fn same_bits_with_heat_through_bonds_that_are_alike() {
 fn same_bits_with_heat_through_contacts_and_on_the_way_between_devices() {
     for ledger in [false, true] {
         let (state, mut plan) = warm_cloud();
-        plan.ledger = ledger;
+        keep_books(&mut plan, ledger);
         let end = both(&state, &plan, 400, &format!("warm cloud, ledger {ledger}"));
         assert!(end.contacts.len() > 100 && end.wall_contacts.len() > 10, "the scene must be busy");
         let mut moved = state;
@@ -382,8 +385,8 @@ fn heat_takes_the_memory_that_is_foretold() {
         ..warm.clone()
     };
     let n = warm.len();
-    // Two temperatures, an exposure, two radii, two accounts.
-    let each = 2 * 8 + 4 + 2 * 8 + 2 * 8;
+    // Two temperatures, an exposure, two radii, four accounts, the work of expansion and how much warmer it got.
+    let each = 2 * 8 + 4 + 2 * 8 + 4 * 8 + 2 * 8;
     let held = |state: &State, plan: &Plan| {
         Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound").bytes()
     };

@@ -324,7 +324,8 @@ fn a_cloud_of_contacts_and_warm_walls_is_the_same_whatever_the_threads() {
     plan.gravity = [0.0; 3];
     let moved = after(&state, &plan, Options::default(), 400);
     // Where nothing moves, nothing expands.
-    state = State { reference_radius: Vec::new(), heat_accounts: Vec::new(), step: 0, ..moved };
+    let (reference_radius, heat_accounts, work_per_kelvin) = (Vec::new(), Vec::new(), Vec::new());
+    state = State { reference_radius, heat_accounts, work_per_kelvin, step: 0, ..moved };
     for thermal in &mut heat_of(&mut plan).materials {
         thermal.expansion = 0.0;
     }

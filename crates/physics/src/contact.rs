@@ -195,6 +195,12 @@ pub fn stored_energy<R: Real>(
     (normal, tangential)
 }
 
+/// $F_{el} = \tfrac43E^*\sqrt{R^*}\,h^{3/2}$, N: what the normal spring of a contact presses with.
+#[inline(always)]
+pub fn elastic_force<R: Real>(radius_eff: R, overlap: R, interaction: &Interaction<R>) -> R {
+    normal::hertz(interaction.normal_stiffness, (radius_eff * overlap).sqrt(), overlap)
+}
+
 /// Energy that a tangential spring still held when its contact opened during the step, J:
 /// $\tfrac12k_t\delta^2$ at the overlap of the last step.
 #[inline(always)]

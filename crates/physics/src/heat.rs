@@ -16,14 +16,19 @@
 //! * [`surface`] what goes through the surface of a group: flux, convection, radiation
 //! * [`warming`] how temperature and radius follow
 //! * [`table`] what depends on temperature
+//! * [`dissipation`] heat of friction and of dashpots
+//! * [`expansion_work`] work that expansion does on springs
 //!
 //! # References
 //! Pacevič & Kačeniauskas (2022), eqs. 4 to 7; Rojek (2014), where the bar between two particles comes from.
 
 pub mod conduction;
+pub mod dissipation;
+pub mod expansion_work;
 pub mod surface;
 pub mod table;
 pub mod warming;
 
 pub use conduction::{Conductor, Link, Path};
+pub use dissipation::Dissipation;
 pub use surface::Exchange;

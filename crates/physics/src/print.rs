@@ -27,6 +27,7 @@
 mod bonds;
 mod formulas;
 mod heat;
+mod heat_of_motion;
 mod members;
 
 pub use bonds::{
@@ -40,7 +41,11 @@ pub use formulas::{
 };
 pub use heat::{
     AtWall, BetweenSpheres, FreeStrain, Grown, HeatAlong, HeatFlow, HeatRise, LinkBetween, LinkConductance,
-    MeanTemperature, SurfaceHeat, TakenIn, TemperedConductance, Warmed,
+    MeanTemperature, SurfaceHeat, TableSlope, TakenIn, TemperedConductance, TemperedExchange, Warmed,
+};
+pub use heat_of_motion::{
+    DissipatedHeat, ElasticAtWall, ElasticBetweenSpheres, ExpansionWorkOfBond, ExpansionWorkOfContacts, HalfStepOfWork,
+    HeatRateOfMotion, SofteningWork,
 };
 pub use members::{Members, Parameter, Parameters};
 
@@ -48,7 +53,7 @@ use crate::bond::{
     self, Advance, Bond, Cement, Coefficients, Form, History, Joint, Modes, Posture, Reaction, Rest, Stress,
 };
 use crate::contact::{self, Interaction, Law, Losses, Period, Response, Sphere, Touch};
-use crate::heat::{Conductor, Exchange, Link, Path};
+use crate::heat::{Conductor, Dissipation, Exchange, Link, Path};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
 use crate::real::{CFunction, Symbol};
@@ -221,7 +226,13 @@ pub fn bond_source(law: bond::Law) -> String {
 /// The structs that the functions of heat exchange besides those of [`types`], as typedefs.
 #[must_use]
 pub fn heat_types() -> String {
-    [Conductor::<Symbol>::definition(), Link::<Symbol>::definition(), Exchange::<Symbol>::definition()].concat()
+    [
+        Conductor::<Symbol>::definition(),
+        Link::<Symbol>::definition(),
+        Exchange::<Symbol>::definition(),
+        Dissipation::<Symbol>::definition(),
+    ]
+    .concat()
 }
 
 /// Every formula of heat by its name, as a function, for contacts that conduct in the given way.
@@ -235,13 +246,23 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&MeanTemperature),
         entry(&HeatAlong),
         entry(&HeatRise),
+        entry(&TableSlope),
         entry(&TakenIn),
         entry(&LinkBetween),
         entry(&LinkConductance),
         entry(&FreeStrain),
+        entry(&TemperedExchange),
         entry(&SurfaceHeat),
         entry(&Warmed),
         entry(&Grown),
+        entry(&DissipatedHeat),
+        entry(&HeatRateOfMotion),
+        entry(&ElasticBetweenSpheres),
+        entry(&ElasticAtWall),
+        entry(&ExpansionWorkOfBond),
+        entry(&ExpansionWorkOfContacts),
+        entry(&HalfStepOfWork),
+        entry(&SofteningWork),
     ]
 }
 

@@ -12,7 +12,7 @@ use tdem_physics::bond::{
 use tdem_physics::contact::{
     Damping, Friction, Interaction, Kick, Law, Period, Response, Sphere, Touch, touch_spheres, touch_wall,
 };
-use tdem_physics::heat::{Conductor, Exchange, Link, Path as HeatPath};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Path as HeatPath};
 use tdem_physics::motion::gear::Trajectory;
 use tdem_physics::motion::orientation::Quaternion;
 use tdem_physics::print::{self, Formula, Parameter, Parameters};
@@ -230,6 +230,10 @@ fn heat_has_the_bits_of_the_law() {
     alone(print::TakenIn, |rng| (rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
     // Specific heats of two points, and where a body is between them.
     let piece = |rng: &mut Rng| (rng.size(7, 9), rng.size(7, 12), rng.size(10, 11), rng.size(7, 12), rng.size(9, 10));
+    alone(print::TableSlope, |rng| {
+        let (start, low, end, high, _) = piece(rng);
+        (start, low, end, high)
+    });
     alone(print::HeatAlong, |rng| {
         let (start, low, end, high, from) = piece(rng);
         (start, low, end, high, from, rng.size(9, 10))
@@ -244,16 +248,39 @@ fn heat_has_the_bits_of_the_law() {
     });
     alone(print::LinkConductance, |rng| (rng.link(), rng.size(-8, -2)));
     alone(print::FreeStrain, |rng| (rng.link(), rng.number(-3, 11), rng.number(-3, 11)));
-    alone(print::SurfaceHeat, |rng| {
+    let exchange = |rng: &mut Rng| {
         let [flux_area, conductance, radiation, resistance] =
             [(-20, -6), (-20, 4), (-44, -30), (-3, 12)].map(|(low, high)| match rng.below(3) {
                 0 => 0.0,
                 _ => rng.size(low, high),
             });
-        (Exchange { flux_area, conductance, radiation, resistance }, rng.size(7, 11), rng.size(7, 11))
-    });
+        Exchange { flux_area, conductance, radiation, resistance }
+    };
+    alone(print::SurfaceHeat, |rng| (exchange(rng), rng.size(7, 11), rng.size(7, 11)));
+    alone(print::TemperedExchange, |rng| (exchange(rng), rng.size(-8, 8)));
     alone(print::Warmed, |rng| (rng.size(7, 11), rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
     alone(print::Grown, |rng| (rng.size(-9, -2), rng.number(-20, -10), rng.number(-3, 11)));
+}
+
+#[test]
+fn heat_of_motion_has_the_bits_of_the_law() {
+    alone(print::DissipatedHeat, |rng| {
+        let dissipation = Dissipation { friction: rng.size(-3, 0), damping: rng.size(-3, 0) };
+        (dissipation, rng.size(-30, 2), rng.number(-30, 2))
+    });
+    alone(print::HeatRateOfMotion, |rng| (rng.number(-30, 2), rng.size(-24, 2)));
+    alone(print::ElasticBetweenSpheres, |rng| {
+        let [first, second] = [rng.size(-9, -2), rng.size(-9, -2)];
+        (first, second, rng.overlap(first + second), rng.interaction())
+    });
+    alone(print::ElasticAtWall, |rng| {
+        let radius = rng.size(-9, -2);
+        (radius, rng.overlap(radius), rng.interaction())
+    });
+    alone(print::ExpansionWorkOfBond, |rng| (rng.number(-20, -10), rng.number(-10, 20), rng.size(-9, -2)));
+    alone(print::ExpansionWorkOfContacts, |rng| (rng.size(-10, 20), rng.number(-20, -10), rng.size(-9, -2)));
+    alone(print::SofteningWork, |rng| (rng.number(-30, 2), rng.size(-8, 2), rng.number(-20, -2)));
+    alone(print::HalfStepOfWork, |rng| (rng.number(-30, 2), rng.number(-20, 4)));
 }
 
 /// Whether bonds have dashpots.

@@ -260,7 +260,7 @@ macro_rules! element {
 }
 element! {
     u8: U8 [], u16: U16 [], u32: U32 [], u64: U64 [], f64: F64 [],
-    [u32; 2]: U32 [2], [f64; 2]: F64 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [f64; 10]: F64 [10],
+    [u32; 2]: U32 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [f64; 10]: F64 [10],
     [[f64; 3]; 4]: F64 [4, 3],
 }
 
@@ -298,6 +298,7 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
         exposure,
         reference_radius,
         heat_accounts,
+        work_per_kelvin,
     } = state;
     let of_bonds = &apart.bonds;
     let mut tensors = vec![
@@ -333,6 +334,7 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
             Tensor::new("heat_rate", heat_rate),
             Tensor::new("reference_radius", reference_radius),
             Tensor::new("heat_accounts", heat_accounts),
+            Tensor::new("work_per_kelvin", work_per_kelvin),
         ]);
     }
     tensors.extend([
@@ -481,6 +483,7 @@ impl Reader<'_> {
             exposure: self.of_heat("exposure")?,
             reference_radius: self.of_heat("reference_radius")?,
             heat_accounts: self.of_heat("heat_accounts")?,
+            work_per_kelvin: self.of_heat("work_per_kelvin")?,
         })
     }
 }
@@ -530,7 +533,8 @@ mod tests {
             heat_rate: vec![0.0, -1.5, 2.0],
             exposure: vec![0, 1, 2],
             reference_radius: vec![1e-3; 3],
-            heat_accounts: vec![[1.0, 2.0]; 3],
+            heat_accounts: vec![[1.0, 2.0, 3.0, -4.0]; 3],
+            work_per_kelvin: vec![0.5, -0.25, 0.125],
             ..State::default()
         });
     }

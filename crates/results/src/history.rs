@@ -180,6 +180,7 @@ mod tests {
             breakage_dissipated: 0.0,
             stiffening_work: 0.0,
             external_work: 0.0,
+            expansion_work: 0.0,
             energy_error: -1e-17,
             contacts: 3,
             wall_contacts: 4,

@@ -92,6 +92,7 @@ fn the_log_says_where_heat_went_on_before_particles_were_at_rest() {
         Relaxation { scheme: Scheme::Implicit, dt: plan.dt, ratio: 1e-9, at_most_steps: 10, check_every: 10 };
     plan.dt = 60.0;
     plan.heat = Some(HeatPlan {
+        dissipation: tdem_engine::physics::heat::Dissipation::default(),
         time_scale: 1.0,
         reference_temperature: 300.0,
         materials: vec![Thermal { specific_heat: 900.0, expansion: 0.0 }],

@@ -225,7 +225,7 @@ fn heat(state: &mut State, plan: &Plan) {
     };
     state.heat_rate = vec![0.0; state.len()];
     if plan.ledger {
-        state.heat_accounts = vec![[0.0; 2]; state.len()];
+        state.heat_accounts = vec![[0.0; 4]; state.len()];
     }
     if heat.expands() {
         state.reference_radius = state.radius.clone();

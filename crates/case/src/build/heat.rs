@@ -13,7 +13,7 @@ use crate::problem::Problem;
 use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
 use tdem_engine::physics::heat::conduction::pair_conductivity;
-use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::physics::heat::{Conductor, Dissipation, Path};
 use tdem_engine::{Course, HeatPlan, Motion, Relaxation, Scheme, Table, Thermal, ThermalTables};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
@@ -42,8 +42,7 @@ pub(super) fn of(
         conductivity: tables_of(thermal, |of| &of.conductivity),
         specific_heat: tables_of(thermal, |of| &of.specific_heat),
     };
-    // Where conductivities depend on temperature, tables say them all.
-    let conductivity = |k: usize| if tables.conductivity.is_empty() { thermal[k].conductivity.largest() } else { 1.0 };
+    let conductivity = |k: usize| context.conductivity(k);
     let section = FRAC_PI_4 * (heat.bar_radius() * heat.bar_radius());
     let conductor = |k: usize| Conductor {
         conductivity: pair_conductivity(conductivity(k / materials), conductivity(k % materials)),
@@ -70,6 +69,10 @@ pub(super) fn of(
         exposures,
         walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
         motion: Motion::Stepped,
+        dissipation: Dissipation {
+            friction: heat.from_friction.map_or(0.0, schema::Fraction::get),
+            damping: heat.from_damping.map_or(0.0, schema::Fraction::get),
+        },
     };
     Some((plan, surfaces))
 }
@@ -95,6 +98,15 @@ pub(super) fn turns(heat: &schema::Heat, step: f64, warming: &Warming, safety: f
 /// A course of the engine; `zero` is added to its values.
 fn course(given: &schema::Course, zero: f64) -> Course {
     Course(given.points().iter().map(|&[time, value]| [time, value + zero]).collect())
+}
+
+impl Context<'_> {
+    /// Conductivity of a material as a plan has it in its numbers, W/(m K): 1 where tables say what all conduct.
+    fn conductivity(&self, material: usize) -> f64 {
+        let thermal = &self.materials.thermal;
+        let tables = tables_of(thermal, |of| &of.conductivity);
+        if tables.is_empty() { thermal[material].conductivity.largest() } else { 1.0 }
+    }
 }
 
 /// A property of all materials over temperature, if it depends on it in any of them.

@@ -35,12 +35,14 @@ pub const HISTORY_COLUMNS: [&str; 20] = [
 pub const HISTORY_COLUMNS_OF_BONDS: [&str; 4] = ["elastic_bonds", "breakage_dissipated", "bonds", "broken_bonds"];
 
 /// Columns that it has in runs with heat, besides.
-pub const HISTORY_COLUMNS_OF_HEAT: [&str; 8] = [
+pub const HISTORY_COLUMNS_OF_HEAT: [&str; 10] = [
     "heat_time",
     "heat_stored",
     "heat_in",
     "heat_out",
+    "heat_made",
     "heat_error",
+    "expansion_work",
     "lowest_temperature",
     "mean_temperature",
     "highest_temperature",

@@ -29,6 +29,7 @@ impl Checker<'_> {
             self.exclusive(&["heat"], "time_scale", "duration");
         }
         self.turns(heat);
+        self.heat_of_motion();
         if let Some(cells) = heat.open_sides {
             let place = self.place(&["heat", "open_sides"]);
             if cells.contains(&0) {
@@ -134,8 +135,8 @@ impl Checker<'_> {
         let scaled = heat.motion == Motion::Scaled;
         let idle: &[&str] = match heat.motion {
             Motion::Scaled => &["step", "scheme", "relaxation"],
-            Motion::Frozen => &["time_scale", "duration", "relaxation"],
-            Motion::QuasiStatic => &["time_scale", "duration"],
+            Motion::Frozen => &["time_scale", "duration", "relaxation", "from_friction", "from_damping"],
+            Motion::QuasiStatic => &["time_scale", "duration", "from_friction", "from_damping"],
         };
         for key in idle {
             if self.tree.get(&["heat", key]).is_none() {
@@ -165,6 +166,33 @@ impl Checker<'_> {
                     .at(place, format!("must be at most {end} s"))
                     .at(cause, "the run ends here"),
             );
+        }
+    }
+
+    /// What motion loses is known from the ledger, and only where there is friction.
+    fn heat_of_motion(&mut self) {
+        for key in ["from_friction", "from_damping"] {
+            if self.tree.get(&["heat", key]).is_none() {
+                continue;
+            }
+            let place = self.tree.key_place(&["heat", key]);
+            if !self.case.output.ledger {
+                let cause = self.place(&["output", "ledger"]);
+                self.push(
+                    Problem::error("tdem::case::conflicting-keys", "what becomes heat is known from the energy ledger")
+                        .at(place, "needs the ledger")
+                        .at(cause, "which is off")
+                        .help("remove `ledger = false`"),
+                );
+            } else if key == "from_friction" && self.case.model == Model::GN {
+                let cause = self.place(&["model"]);
+                self.push(
+                    Problem::error("tdem::case::conflicting-keys", "the model GN has no friction")
+                        .at(place, "has no effect")
+                        .at(cause, "with this")
+                        .help("write model = \"GNT\" or \"GNTM\", or remove it"),
+                );
+            }
         }
     }
 
@@ -278,8 +306,10 @@ impl Checker<'_> {
                         .help(format!("add {key} = ... in {unit}")),
                 );
             }
+            let constant = matches!(material.thermal_conductivity, Some(Property::Constant(_)));
             let properties = [
-                ("thermal_conductivity", &material.thermal_conductivity, "W/(m K)", false),
+                // What conducts at some temperatures does so at all.
+                ("thermal_conductivity", &material.thermal_conductivity, "W/(m K)", !constant),
                 ("specific_heat", &material.specific_heat, "J/(kg K)", true),
             ];
             for (key, property, unit, positive) in properties {

@@ -49,6 +49,14 @@ pub struct Heat {
     /// When particles count as being at rest, if they are "quasi-static".
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relaxation: Option<Relaxation>,
+    /// Part of what sliding dissipates that becomes heat, half of it in each of both bodies, or all in a particle at a wall
+    /// without temperature; 0.0 if left out. Energy of the motion: `time_scale` does not multiply it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_friction: Option<Fraction>,
+    /// Part of what the dashpots of contacts and bonds dissipate that becomes heat, in the same way; 0.0 if left out. What
+    /// local damping takes makes none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_damping: Option<Fraction>,
     /// How much faster the time of the heat goes than that of the motion; 1.0 if left out. Give this or `duration`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_scale: Option<Positive>,

@@ -69,7 +69,11 @@ pub(crate) struct Bodies {
     /// Radius at the reference temperature, m; optional.
     pub(crate) reference_radius: Vec<f64>,
     /// Optional.
-    pub(crate) heat_accounts: Vec<[f64; 2]>,
+    pub(crate) heat_accounts: Vec<[f64; 4]>,
+    /// J/K; optional, for the ledger of what expands.
+    pub(crate) work_per_kelvin: Vec<f64>,
+    /// How much warmer a particle became in this step, K; optional, for the same.
+    pub(crate) warming: Vec<f64>,
 }
 
 impl Bodies {
@@ -112,9 +116,15 @@ impl Bodies {
             reference_radius: state.reference_radius.clone(),
             heat_accounts: match (plan.ledger && plan.heat.is_some(), state.heat_accounts.is_empty()) {
                 (false, _) => Vec::new(),
-                (true, true) => vec![[0.0; 2]; n],
+                (true, true) => vec![[0.0; 4]; n],
                 (true, false) => state.heat_accounts.clone(),
             },
+            work_per_kelvin: match (plan.books_expansion(), state.work_per_kelvin.is_empty()) {
+                (false, _) => Vec::new(),
+                (true, true) => vec![0.0; n],
+                (true, false) => state.work_per_kelvin.clone(),
+            },
+            warming: vec![0.0; if plan.books_expansion() { n } else { 0 }],
         }
     }
 
@@ -147,6 +157,8 @@ impl Bodies {
         take(&mut self.exposure, order);
         take(&mut self.reference_radius, order);
         take(&mut self.heat_accounts, order);
+        take(&mut self.work_per_kelvin, order);
+        take(&mut self.warming, order);
     }
 
     /// Gear's second derivative from the forces of a fresh state, none of prescribed components; the higher ones are what
@@ -171,7 +183,8 @@ impl Bodies {
             (plan.ledger && !gear && moments, size_of::<Quad>()),
             (plan.heat.is_some(), size_of::<f64>() + size_of::<u16>()),
             (plan.expands(), size_of::<f64>()),
-            (plan.ledger && plan.heat.is_some(), size_of::<[f64; 2]>()),
+            (plan.ledger && plan.heat.is_some(), size_of::<[f64; 4]>()),
+            (plan.books_expansion(), 2 * size_of::<f64>()),
         ];
         let optional: usize = optional.iter().filter(|(there, _)| *there).map(|(_, size)| size).sum();
         size_of::<u32>() + 4 * size_of::<Quad>() + 2 * size_of::<u16>() + optional
@@ -198,6 +211,8 @@ impl Bodies {
             + size(&self.exposure)
             + size(&self.reference_radius)
             + size(&self.heat_accounts)
+            + size(&self.work_per_kelvin)
+            + size(&self.warming)
     }
 }
 

@@ -10,17 +10,17 @@ mod eight;
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
-use super::heat::link;
+use super::heat::{Flows, link};
 use super::pieces::split;
 use super::{CHUNK, Cpu, Width};
 use crate::energy_accounts::DAMPING;
 use crate::evaluate::quaternion;
-use crate::{BondHistory, BondTables, Breakage, HeatPlan};
+use crate::{BondHistory, BondPlan, BondTables, Breakage, HeatPlan};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::bond::{
     Advance, Bond, Damping, Ends, Failure, Form, Joint, Law, Posture, Reaction, Rest, damping, released_energy,
-    respond_incremental, respond_total,
+    respond_incremental, respond_total, stored_energy,
 };
 use tdem_physics::contact::{Encounter, Period, Sphere, begun_energy, touch_spheres};
 
@@ -79,6 +79,12 @@ pub(super) struct Rows<'a> {
     accounts: &'a mut [[f64; 4]],
     /// What the dashpots of each row took in this step, J; summed on its own, in the order of bonds.
     lost: Vec<f64>,
+    /// The same of each bond; empty where it does not become heat.
+    taken: &'a mut [f64],
+    /// Elastic tension of each bond, N; empty where nobody looks at it.
+    tension: &'a mut [f64],
+    /// Energy in the springs of each bond, J; empty where their stiffness does not depend on temperature, or nobody looks.
+    energy: &'a mut [f64],
 }
 
 /// Evaluates the bonds of a chunk and returns those that fail.
@@ -92,6 +98,13 @@ impl Cpu {
         }
         let mut written = std::mem::take(&mut self.bonds.written);
         let mut accounts = std::mem::take(&mut self.bodies.accounts);
+        let mut flows = std::mem::take(&mut self.flows);
+        let count = self.bonds.table.len();
+        let dashpots = self.plan.makes_heat() && self.plan.bonds.as_ref().is_some_and(BondPlan::has_dashpots);
+        flows.bond_losses.resize(if dashpots { count } else { 0 }, 0.0);
+        let follows = self.plan.books_expansion();
+        flows.tension.resize(if follows { count } else { 0 }, 0.0);
+        flows.energy.resize(if follows && self.plan.softens() { count } else { 0 }, 0.0);
         let failed = self.bond_scene().map_or_else(Vec::new, |scene| {
             let booked = if scene.law.damping == Damping::Off { &mut [][..] } else { &mut accounts };
             let evaluate: Loop = match self.options.width {
@@ -99,11 +112,12 @@ impl Cpu {
                 Width::Portable => eight::rows_portable,
                 Width::Widest => eight::rows_widest,
             };
-            let mut tasks = tasks(&self.bonds, &mut written, booked);
+            let mut tasks = tasks(&self.bonds, &mut written, booked, &mut flows);
             tasks.par_iter_mut().flat_map_iter(|rows| evaluate(&scene, rows)).collect()
         });
         self.bonds.written = written;
         self.bodies.accounts = accounts;
+        self.flows = flows;
         for slot in failed {
             self.break_bond(slot as usize);
         }
@@ -175,7 +189,12 @@ impl Cpu {
 }
 
 /// The rows of each chunk of particles.
-fn tasks<'a>(bonds: &Bonds, written: &'a mut Written, accounts: &'a mut [[f64; 4]]) -> Vec<Rows<'a>> {
+fn tasks<'a>(
+    bonds: &Bonds,
+    written: &'a mut Written,
+    accounts: &'a mut [[f64; 4]],
+    flows: &'a mut Flows,
+) -> Vec<Rows<'a>> {
     let n = bonds.start.len() - 1;
     let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
     let slots: Vec<usize> = particles.iter().map(|&particle| bonds.start[particle] as usize).collect();
@@ -185,6 +204,9 @@ fn tasks<'a>(bonds: &Bonds, written: &'a mut Written, accounts: &'a mut [[f64; 4
     let mut force = split(&mut written.force, &particles);
     let mut moment = split(&mut written.moment, &particles);
     let mut accounts = split(accounts, &particles);
+    let mut taken = split(&mut flows.bond_losses, &slots);
+    let mut tension = split(&mut flows.tension, &slots);
+    let mut energy = split(&mut flows.energy, &slots);
     (particles.iter().zip(&slots).take(particles.len() - 1))
         .map(|(&first, &base)| Rows {
             first,
@@ -195,6 +217,9 @@ fn tasks<'a>(bonds: &Bonds, written: &'a mut Written, accounts: &'a mut [[f64; 4
             moment: moment.next().unwrap_or_default(),
             accounts: accounts.next().unwrap_or_default(),
             lost: Vec::new(),
+            taken: taken.next().unwrap_or_default(),
+            tension: tension.next().unwrap_or_default(),
+            energy: energy.next().unwrap_or_default(),
         })
         .collect()
 }
@@ -315,6 +340,9 @@ impl Rows<'_> {
         self.force.fill(Quad::default());
         self.moment.fill(Quad::default());
         self.lost = vec![0.0; self.accounts.len()];
+        self.taken.fill(0.0);
+        self.tension.fill(0.0);
+        self.energy.fill(0.0);
     }
     fn close_books(&mut self) {
         for (account, lost) in self.accounts.iter_mut().zip(&self.lost) {
@@ -342,8 +370,25 @@ impl Rows<'_> {
     }
     /// Books what the dashpots of a bond took.
     #[inline(always)]
-    fn book(&mut self, i: usize, loss: f64) {
+    fn book(&mut self, slot: usize, i: usize, loss: f64) {
         self.lost[i - self.first] += loss;
+        if let Some(taken) = self.taken.get_mut(slot - self.base) {
+            *taken = loss;
+        }
+    }
+    /// Notes how a bond pulls.
+    #[inline(always)]
+    fn note(&mut self, slot: usize, tension: f64) {
+        if let Some(noted) = self.tension.get_mut(slot - self.base) {
+            *noted = tension;
+        }
+    }
+    /// Notes what its springs hold.
+    #[inline(always)]
+    fn note_energy(&mut self, slot: usize, energy: f64) {
+        if let Some(noted) = self.energy.get_mut(slot - self.base) {
+            *noted = energy;
+        }
     }
     /// The bonds of these rows.
     fn slots(&self) -> std::ops::Range<usize> {
@@ -369,10 +414,14 @@ fn rows_scalar(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
             [reaction.force, reaction.first_moment, reaction.second_moment].map(|v| Quad::new(v.into(), 0.0).0);
         rows.keep(slot, i, &force, [&first, &second]);
         rows.remember(slot, history);
+        rows.note(slot, reaction.load.normal);
+        if !rows.energy.is_empty() {
+            rows.note_energy(slot, stored_energy(&reaction.load, &scene.numbers(slot)));
+        }
         if !rows.accounts.is_empty() {
             let ends = scene.ends(slot);
             let loss = damping::loss(&ends, &scene.settled(slot, &ends), &scene.numbers(slot), scene.step);
-            rows.book(i, loss);
+            rows.book(slot, i, loss);
         }
     }
     rows.close_books();

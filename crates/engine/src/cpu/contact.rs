@@ -18,6 +18,7 @@ use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
     Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, released_energy, respond, touch_spheres,
 };
+use tdem_physics::heat::Dissipation;
 
 /// What a contact loop reads.
 #[derive(Clone, Copy)]
@@ -35,6 +36,8 @@ pub(super) struct Scene<'a> {
     period: Option<Period<f64>>,
     step: f64,
     overlap_limit: f64,
+    /// Which parts of losses become heat.
+    dissipation: Dissipation<f64>,
 }
 
 /// What a contact loop writes: the rows of a chunk of particles.
@@ -56,6 +59,8 @@ pub(super) struct Rows<'a> {
     moment: &'a mut [Quad],
     /// Of these particles.
     accounts: &'a mut [[f64; 4]],
+    /// Heat that each pair makes; empty where none does.
+    made: &'a mut [f64],
     /// What the pairs of each row lost in this step: summed on its own, in the order of pairs, so that it does not
     /// matter whether partings are found before or between contacts.
     lost: Vec<Lost>,
@@ -127,10 +132,13 @@ impl Cpu {
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
             overlap_limit: 0.5 * self.plan.overlap_limit,
+            dissipation: self.plan.heat.as_ref().map(|heat| heat.dissipation).unwrap_or_default(),
         };
         let evaluate = choose(self.plan.law, self.plan.ledger, self.options.width);
         let list = &mut self.neighbours;
         let n = rank.len();
+        let made = &mut self.flows.made;
+        made.resize(if self.plan.makes_heat() { list.other.len() } else { 0 }, 0.0);
         let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
         let pairs: Vec<usize> = particles.iter().map(|&p| list.start[p] as usize).collect();
         let mut tasks = Vec::with_capacity(particles.len());
@@ -142,6 +150,7 @@ impl Cpu {
         let mut force = split(force, &particles);
         let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);
+        let mut made = split(made, &pairs);
         for chunk in 0..particles.len() - 1 {
             let (first, end) = (particles[chunk], particles[chunk + 1]);
             tasks.push(Rows {
@@ -155,6 +164,7 @@ impl Cpu {
                 force: force.next().unwrap_or_default(),
                 moment: moment.next().unwrap_or_default(),
                 accounts: accounts.next().unwrap_or_default(),
+                made: made.next().unwrap_or_default(),
                 lost: Vec::new(),
             });
         }
@@ -240,9 +250,12 @@ impl Rows<'_> {
             }
         }
     }
-    /// Books what a pair lost; a pair that is listed twice is booked by its lower rank.
+    /// Books what a pair lost, and the heat that it makes; a pair that is listed twice is booked by its lower rank.
     #[inline(always)]
-    fn book<V: Variant>(&mut self, scene: &Scene<'_>, i: usize, j: usize, losses: &Losses<f64>) {
+    fn book<V: Variant>(&mut self, scene: &Scene<'_>, i: usize, j: usize, pair: usize, losses: &Losses<f64>) {
+        if let (true, Some(made)) = (V::LEDGER, self.made.get_mut(pair)) {
+            *made = scene.dissipation.heat(losses.friction, losses.damping);
+        }
         if V::LEDGER && scene.rank[i] < scene.rank[j] {
             let lost = &mut self.lost[i - self.first];
             lost.friction += losses.friction;
@@ -268,6 +281,7 @@ impl Rows<'_> {
     fn open_books<V: Variant>(&mut self) {
         self.force.fill(Quad::default());
         self.moment.fill(Quad::default());
+        self.made.fill(0.0);
         if V::LEDGER {
             self.lost = vec![Lost::default(); self.accounts.len()];
         }
@@ -314,7 +328,7 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 if V::FRICTION {
                     rows.displacement[pair] = response.displacement.into();
                 }
-                rows.book::<V>(scene, i, j, &response.losses);
+                rows.book::<V>(scene, i, j, pair, &response.losses);
                 if touch.overlap > scene.overlap_limit * (a.radius + b.radius) {
                     crushed = Some(worse(crushed, scene.ranks(i, j)));
                 }

@@ -137,6 +137,7 @@ impl Walls<'_> {
         let point = self.position[slot.wall as usize].into();
         let touch = touch_wall(sphere.position, sphere.radius, point, normal);
         let encounter = Encounter::with_wall(sphere, &touch, normal, velocity, law.moments);
+        slot.made = 0.0;
         if touch.overlap <= 0.0 {
             if slot.touching {
                 if let Some(account) = account {
@@ -161,6 +162,9 @@ impl Walls<'_> {
             account[DAMPING] += response.losses.damping;
             account[STIFFENING] += response.losses.stiffening;
             account[EXTERNAL] += response.force.dot(velocity) * step;
+            if let Some(heat) = &self.plan.heat {
+                slot.made = heat.dissipation.heat(response.losses.friction, response.losses.damping);
+            }
         }
     }
 }

@@ -50,6 +50,8 @@ pub(crate) struct WallSlot {
     pub(crate) wall: u32,
     pub(crate) touching: bool,
     pub(crate) displacement: [f64; 3],
+    /// Heat that they make in this step, J.
+    pub(crate) made: f64,
 }
 
 /// What touching pairs remember, in the order of ranks: the form that survives a new order of the particles.

@@ -236,6 +236,7 @@ impl Cpu {
                             wall: wall as u32,
                             touching: kept.is_some(),
                             displacement: kept.unwrap_or_default(),
+                            made: 0.0,
                         }
                     })
                 })

@@ -66,6 +66,7 @@ impl Cpu {
             exposure: sorted(by_rank, &bodies.exposure, |&exposure| exposure),
             reference_radius: sorted(by_rank, &bodies.reference_radius, |&radius| radius),
             heat_accounts: sorted(by_rank, &bodies.heat_accounts, |&accounts| accounts),
+            work_per_kelvin: sorted(by_rank, &bodies.work_per_kelvin, |&work| work),
         }
     }
 

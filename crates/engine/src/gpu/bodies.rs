@@ -262,6 +262,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         reference_temperature: plan.heat.as_ref().map_or(0.0, |heat| heat.reference_temperature),
         conductor: conductor.map(ConductorOf::from).unwrap_or_default(),
         link: LinkOf::default(),
+        dissipation: plan.heat.as_ref().map(|heat| (&heat.dissipation).into()).unwrap_or_default(),
         particles: particles as u32,
         walls: plan.walls.len() as u32,
         items: particles.max(plan.walls.len()) as u32,

@@ -75,6 +75,8 @@ pub(super) struct Apart<M> {
     pub(super) lost: Buffer<f64, M>,
     /// Heat rate into the first particle, W, `(B)`; empty without heat.
     pub(super) flow: Buffer<f64, M>,
+    /// $\partial U/\partial T$ for both particles, J/K, `(B, 2)`, where the ledger follows expansion.
+    pub(super) work: Buffer<f64, M>,
 }
 
 /// Rows of bonds as they are laid out: a slot of a particle and the bond that stands in it.
@@ -247,6 +249,7 @@ impl<M> Apart<M> {
             reaction: queue.zeros(3 * present(true))?,
             lost: queue.zeros(present(variant.ledger && variant.bond_dashpots()))?,
             flow: queue.zeros(present(variant.heat.is_some()))?,
+            work: queue.zeros(2 * present(variant.expansion_work))?,
         })
     }
 

@@ -22,10 +22,12 @@ pub(super) struct Heat<M> {
     pub(super) reference_radius: Buffer<f64, M>,
     /// Radii when the list was made, m.
     pub(super) listed_radius: Buffer<f64, M>,
-    /// What came in from outside, J.
-    pub(super) came_in: Buffer<f64, M>,
-    /// What went out, J.
-    pub(super) went_out: Buffer<f64, M>,
+    /// See [`crate::heat_accounts`], J.
+    pub(super) accounts: Buffer<Quad, M>,
+    /// $\partial U/\partial T$, J/K, where the ledger follows expansion.
+    pub(super) work_per_kelvin: Buffer<f64, M>,
+    /// How much warmer a particle became in this step, K, likewise.
+    pub(super) warming: Buffer<f64, M>,
     pub(super) thermals: Buffer<Thermal, M>,
     /// `(materials, materials)`.
     pub(super) conductors: Buffer<ConductorOf, M>,
@@ -57,11 +59,10 @@ impl<M> Heat<M> {
         pieces: &mut Vec<Piece>,
     ) -> Result<Self, Error> {
         let exposure: Vec<u32> = state.exposure.iter().map(|&exposure| exposure.into()).collect();
-        let account = |column: usize| -> Vec<f64> {
-            let booked = plan.ledger && plan.heat.is_some();
-            let of_particle = |i: usize| state.heat_accounts.get(i).map_or(0.0, |account| account[column]);
-            (0..if booked { state.len() } else { 0 }).map(of_particle).collect()
-        };
+        let booked = if plan.ledger && plan.heat.is_some() { state.len() } else { 0 };
+        let accounts = (0..booked).map(|i| Quad(state.heat_accounts.get(i).copied().unwrap_or_default()));
+        let followed = if plan.books_expansion() { state.len() } else { 0 };
+        let work = (0..followed).map(|i| state.work_per_kelvin.get(i).copied().unwrap_or(0.0));
         let (mut exposures, mut exchanges) = (Vec::new(), Vec::new());
         for exposure in plan.heat.iter().filter(|_| variant.exposed).flat_map(|heat| &heat.exposures) {
             let [first_piece, end_piece] = course_record(exposure.temperature.as_ref(), pieces);
@@ -88,8 +89,9 @@ impl<M> Heat<M> {
             exposure: queue.buffer_of(if variant.exposed { &exposure } else { &[] })?,
             reference_radius: queue.buffer_of(&state.reference_radius)?,
             listed_radius: queue.buffer(state.reference_radius.len())?,
-            came_in: queue.buffer_of(&account(crate::heat_accounts::IN))?,
-            went_out: queue.buffer_of(&account(crate::heat_accounts::OUT))?,
+            accounts: queue.buffer_of(&accounts.collect::<Vec<_>>())?,
+            work_per_kelvin: queue.buffer_of(&work.collect::<Vec<_>>())?,
+            warming: queue.zeros(followed)?,
             thermals: queue.buffer_of(&thermals.collect::<Vec<_>>())?,
             conductors: queue.buffer_of(&conductors.collect::<Vec<_>>())?,
             links: queue.buffer_of(&filled(&links).iter().map(LinkOf::from).collect::<Vec<_>>())?,
@@ -118,7 +120,7 @@ impl<M> Heat<M> {
             queue.run(&TakeWords { particles, order, from: &self.exposure, to }, n)?;
             queue.copy(to, &self.exposure)?;
         }
-        for field in [&self.reference_radius, &self.came_in, &self.went_out] {
+        for field in [&self.reference_radius, &self.work_per_kelvin, &self.warming] {
             if field.len() > 0 {
                 let to = &room.room(n);
                 queue.run(&TakeReals { particles, order, from: field, to }, n)?;
@@ -152,6 +154,8 @@ pub(super) fn bytes_each(plan: &Plan) -> [usize; 2] {
     let (word, real) = (size_of::<u32>(), size_of::<f64>());
     let exposure = if heat.exposes() { word } else { 0 };
     let radii = if heat.expands() { 2 * real } else { 0 };
-    let accounts = if plan.ledger { 2 * real } else { 0 };
-    [2 * real + exposure + radii + accounts, real]
+    let accounts = if plan.ledger { size_of::<Quad>() } else { 0 };
+    let work = if plan.books_expansion() { 2 * real } else { 0 };
+    let work_of_bond = if plan.books_expansion() { 2 * real } else { 0 };
+    [2 * real + exposure + radii + accounts + work, real + work_of_bond]
 }

@@ -26,7 +26,7 @@ use crate::cpu::Quad;
 use bytemuck::{Pod, Zeroable};
 use tdem_physics::bond;
 use tdem_physics::contact::Interaction;
-use tdem_physics::heat::{Conductor, Exchange, Link};
+use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link};
 use tdem_physics::print::Members;
 
 /// A type that the host and kernels lay out alike.
@@ -98,6 +98,10 @@ flat!(
 flat!(
     /// [`Link`], as the printed laws lay it out.
     LinkOf as "Link", 3 from Link<f64>
+);
+flat!(
+    /// [`Dissipation`], as the printed laws lay it out.
+    DissipationOf as "Dissipation", 2 from Dissipation<f64>
 );
 flat!(
     /// [`Exchange`], as the printed laws lay it out.
@@ -189,6 +193,8 @@ records! {
         conductor: ConductorOf,
         /// What all bonds are to heat, if there is only one kind of them.
         link: LinkOf,
+        /// Which parts of the energy that motion loses become heat.
+        dissipation: DissipationOf,
         particles: u32,
         walls: u32,
         /// Work-items: the larger of both.
@@ -451,7 +457,7 @@ kernels! {
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
         temperature: update f64, reference_radius: read f64, listed_radius: read f64, thermals: read Thermal,
         exposure: read u32, exposures: read Exposure, specific_heats: read Tabled,
-        heat_in: seldom f64, heat_out: seldom f64,
+        heat_accounts: seldom Quad, work_per_kelvin: read f64, warming: write f64,
     }
     /// See `kernels/bond.cl`.
     bond as EvaluateBonds(128, 4) {
@@ -465,7 +471,7 @@ kernels! {
         broken: seldom u32, released: seldom f64, kick_by_half: read Quad, twist_by_half: read Quad,
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius(),
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
-        links: read LinkOf where |v| !v.one_link, bond_flow: write f64,
+        links: read LinkOf where |v| !v.one_link, bond_flow: write f64, bond_work: write f64,
         pieces: read Piece where |v| v.tempers_pairs(), conductivities: read Tabled, factors: read Factors,
     }
     /// See `kernels/contact.cl`.
@@ -489,10 +495,12 @@ kernels! {
         bond_other: amend u32 where |v| !v.bonds_apart, bond_start: seldom u32,
         bond_strength: read f64 where |v| !v.bonds_apart, broken: seldom u32, released: seldom f64,
         bond_number: read u32, reaction: read Vector, bond_lost: read f64, bond_flow: read f64,
+        bond_work: read f64,
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius() && !v.bonds_apart,
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
-        conductivities: read Tabled, factors: read Factors, heat_in: seldom f64, heat_out: seldom f64,
+        conductivities: read Tabled, factors: read Factors,
+        heat_accounts: seldom Quad, work_per_kelvin: write f64, warming: read f64,
     }
     /// See `kernels/correct.cl`.
     correct as Correct(128, 4) {

@@ -47,6 +47,8 @@ pub(crate) struct Variant {
     pub(crate) heat: Option<Path>,
     /// Whether radii and bonds follow temperatures.
     pub(crate) expands: bool,
+    /// Whether friction or dashpots make heat.
+    pub(crate) makes_heat: bool,
     /// Whether particles exchange heat with their surroundings.
     pub(crate) exposed: bool,
     /// Whether all contacts conduct with the same.
@@ -61,6 +63,10 @@ pub(crate) struct Variant {
     pub(crate) specific_heat_tables: bool,
     /// Whether the numbers of bonds do.
     pub(crate) bond_tables: bool,
+    /// Whether the ledger follows the work that expansion and softening do on springs.
+    pub(crate) expansion_work: bool,
+    /// Whether stiffnesses of bonds depend on temperature.
+    pub(crate) softens: bool,
 }
 
 /// What all contacts that particles of this state can have are told, if it is the same for all.
@@ -119,12 +125,15 @@ impl Variant {
             local_damping: plan.bonds.as_ref().is_some_and(|bonds| bonds.local_damping > 0.0),
             heat: heat.map(|heat| heat.contacts),
             expands,
+            makes_heat: plan.makes_heat(),
             exposed: heat.is_some_and(HeatPlan::exposes),
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
             alike_links: alike_links.is_some(),
             one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),
             conductivity_tables: heat.is_some_and(|heat| !heat.tables.conductivity.is_empty()),
             specific_heat_tables: heat.is_some_and(|heat| !heat.tables.specific_heat.is_empty()),
+            expansion_work: plan.books_expansion(),
+            softens: !state.bonds.is_empty() && plan.softens(),
             bond_tables: !state.bonds.is_empty() && plan.bonds.as_ref().is_some_and(|bonds| !bonds.tables.is_empty()),
         }
     }
@@ -209,6 +218,9 @@ impl Variant {
             ("HEAT", self.heat.is_some()),
             ("HEAT_THROUGH_CONTACTS", self.heat.is_some_and(|path| path != Path::Closed)),
             ("EXPANDS", self.expands),
+            ("MAKES_HEAT", self.makes_heat),
+            ("EXPANSION_WORK", self.expansion_work),
+            ("SOFTENING_WORK", self.expansion_work && self.softens),
             ("EXPOSED", self.exposed),
             ("ONE_CONDUCTOR", self.one_conductor),
             ("ALIKE_LINKS", self.alike_links),

@@ -430,7 +430,8 @@ impl<R: Runtime> Gpu<R> {
         }
         let [x, y, z] = &mut fields.derivatives;
         let (accounts, kicks) = (&mut fields.accounts, [&mut fields.kick_by_half, &mut fields.twist_by_half]);
-        for field in [x, y, z, accounts, &mut self.bonds.place].into_iter().chain(kicks) {
+        let (booked, places) = (&mut self.heat.accounts, &mut self.bonds.place);
+        for field in [x, y, z, accounts, booked, places].into_iter().chain(kicks) {
             if field.len() > 0 {
                 queue.run(&TakeQuads { particles, order, from: field, to: room }, n)?;
                 std::mem::swap(field, room);

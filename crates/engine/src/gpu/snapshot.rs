@@ -36,8 +36,8 @@ struct Snapshot<R: Runtime> {
     released: Arriving<f64, R>,
     bond_history: Arriving<f64, R>,
     temperature: Arriving<f64, R>,
-    heat_in: Arriving<f64, R>,
-    heat_out: Arriving<f64, R>,
+    heat_accounts: Arriving<Quad, R>,
+    work_per_kelvin: Arriving<f64, R>,
     exposure: Arc<Vec<u16>>,
     reference_radius: Arc<Vec<f64>>,
 }
@@ -76,8 +76,8 @@ impl<R: Runtime> Gpu<R> {
             released: queue.fetch(&self.bonds.released, all)?,
             bond_history: queue.fetch(&self.bonds.apart.history, all)?,
             temperature: queue.fetch(&half.temperature, all)?,
-            heat_in: queue.fetch(&self.heat.came_in, all)?,
-            heat_out: queue.fetch(&self.heat.went_out, all)?,
+            heat_accounts: queue.fetch(&self.heat.accounts, all)?,
+            work_per_kelvin: queue.fetch(&self.heat.work_per_kelvin, all)?,
             exposure: Arc::clone(&self.heat.exposure_by_rank),
             reference_radius: Arc::clone(&self.heat.reference_by_rank),
         };
@@ -96,7 +96,7 @@ impl<R: Runtime> Snapshot<R> {
         let derivatives = [dx.view()?, dy.view()?, dz.view()?];
         let orientation = self.orientation.view()?;
         let (temperature, force) = (self.temperature.view()?, self.force.view()?);
-        let (heat_in, heat_out) = (self.heat_in.view()?, self.heat_out.view()?);
+        let (heat_accounts, work) = (self.heat_accounts.view()?, self.work_per_kelvin.view()?);
         let moments = self.spins.is_empty();
         let put_aside = PutAside {
             ids: &self.ids,
@@ -142,7 +142,8 @@ impl<R: Runtime> Snapshot<R> {
             heat_rate: if temperature.is_empty() { Vec::new() } else { gather(&at, |i| force[i].scalar()) },
             exposure: self.exposure.to_vec(),
             reference_radius: self.reference_radius.to_vec(),
-            heat_accounts: if heat_in.is_empty() { Vec::new() } else { gather(&at, |i| [heat_in[i], heat_out[i]]) },
+            heat_accounts: if heat_accounts.is_empty() { Vec::new() } else { gather(&at, |i| heat_accounts[i].0) },
+            work_per_kelvin: if work.is_empty() { Vec::new() } else { gather(&at, |i| work[i]) },
             id: self.ids,
         })
     }

@@ -1,7 +1,7 @@
 //! Where the heat is, where it went, and whether the sum closes.
 
 use super::{extremes, sum};
-use crate::heat_accounts::{IN, OUT};
+use crate::heat_accounts::{IN, MADE, OUT};
 use crate::{Plan, State};
 
 /// Heat of one instant, as a row of `history.csv` shows it.
@@ -16,7 +16,9 @@ pub struct HeatLedger {
     pub came_in: f64,
     /// Left through them since the start, J.
     pub went_out: f64,
-    /// What the ledger does not explain: stored - in + out, J; 0 without ledger.
+    /// Made by friction and dashpots since the start, J: energy of the motion that became heat.
+    pub made: f64,
+    /// What the ledger does not explain: stored - in + out - made, J; 0 without ledger.
     pub error: f64,
     /// Lowest temperature, K.
     pub lowest: f64,
@@ -31,8 +33,8 @@ impl HeatLedger {
     #[must_use]
     pub fn of(state: &State, plan: &Plan) -> Option<HeatLedger> {
         plan.heat.as_ref()?;
-        let [came_in, went_out] =
-            sum(state.heat_accounts.len(), |i| [state.heat_accounts[i][IN], state.heat_accounts[i][OUT]]);
+        let [came_in, went_out, made] =
+            sum(state.heat_accounts.len(), |i| [IN, OUT, MADE].map(|column| state.heat_accounts[i][column]));
         let stored = state.heat(plan) - state.initial_heat;
         let [total] = sum(state.len(), |i| [state.temperature[i]]);
         let [lowest, highest] = extremes(&state.temperature);
@@ -42,7 +44,8 @@ impl HeatLedger {
             stored,
             came_in,
             went_out,
-            error: if booked { stored - came_in + went_out } else { 0.0 },
+            made,
+            error: if booked { stored - came_in + went_out - made } else { 0.0 },
             lowest,
             mean: total / state.len().max(1) as f64,
             highest,

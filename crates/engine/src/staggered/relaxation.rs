@@ -1,7 +1,8 @@
 //! The motion's turn: particles move, while no heat flows, until they are at rest.
 
 use super::Staggered;
-use crate::ledger::{Imbalance, sum};
+use crate::heat_accounts::EXPANSION;
+use crate::ledger::{Imbalance, elastic_energy, sum};
 use crate::{Exposure, Fault, HeatPlan, Motion, Plan, Relaxation, State};
 use std::sync::Arc;
 use tdem_physics::heat::Path;
@@ -32,7 +33,31 @@ fn relaxation(plan: &Plan) -> Option<Relaxation> {
     }
 }
 
+/// A state behind the motion's turn, in which nobody follows the work of expansion from step to step.
+pub(super) fn at_rest(state: State) -> State {
+    State { work_per_kelvin: Vec::new(), ..state }
+}
+
 impl Staggered {
+    /// Energy in all springs, J, if the ledger follows the work of expansion and particles move at all.
+    pub(super) fn elastic_energy(&self) -> Option<f64> {
+        let follows = self.plan.books_expansion() && relaxation(&self.plan).is_some();
+        follows.then(|| elastic_energy(&self.state, &self.plan))
+    }
+
+    /// Lets radii follow temperatures before anything moves, and books what that put into springs, from their energy before
+    /// temperatures changed. The account is one of all particles; it is kept with the first.
+    pub(super) fn expand(&mut self, before: Option<f64>) {
+        if relaxation(&self.plan).is_none() {
+            return;
+        }
+        self.shrunk = self.state.follow_temperatures(&self.plan);
+        let now = before.map(|before| elastic_energy(&self.state, &self.plan) - before);
+        if let (Some(work), Some(account)) = (now, self.state.heat_accounts.first_mut()) {
+            account[EXPANSION] += work;
+        }
+    }
+
     /// Lets particles move until they are at rest under the present temperatures. Whether anything may have moved.
     ///
     /// The back end is opened anew: it goes on from a state to the same bits as if it had never been closed.
@@ -42,9 +67,8 @@ impl Staggered {
         let begun = self.state.step;
         let mut state = std::mem::take(&mut self.state);
         let (temperature, heat_accounts) = (state.temperature.clone(), std::mem::take(&mut state.heat_accounts));
-        let shrunk = state.follow_temperatures(&plan);
         // Pairs that touched are listed although they have shrunk: the contact stage closes their histories.
-        plan.search.skin = plan.search.skin.max(2.001 * shrunk);
+        plan.search.skin = plan.search.skin.max(2.001 * self.shrunk);
         let pool = Arc::clone(&self.pool);
         let small = pool.install(|| thermal_force(&state, &plan));
         let mut broken = state.bonds.iter().filter(|bond| !bond.holds()).count();
@@ -56,7 +80,7 @@ impl Staggered {
             motion.advance(steps).map_err(fault)?;
             self.turns.motion_steps += steps;
             taken += steps;
-            let state = motion.capture()?.state()?;
+            let state = at_rest(motion.capture()?.state()?);
             let now = state.bonds.iter().filter(|bond| !bond.holds()).count();
             if now > broken {
                 (broken, taken) = (now, 0);

@@ -8,7 +8,7 @@ use super::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::Law;
-use tdem_engine::physics::heat::{Conductor, Exchange, Path};
+use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
 use tdem_engine::{
     BondTables, Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, Table,
     Thermal, ThermalTables,
@@ -23,6 +23,7 @@ pub(crate) fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
     let n = state.len();
     let conductor = Conductor { conductivity: 1.5, section: 0.35 };
     plan.heat = Some(HeatPlan {
+        dissipation: Dissipation::default(),
         time_scale: 2.0,
         reference_temperature: REFERENCE,
         materials: vec![Thermal { specific_heat: SPECIFIC_HEAT, expansion }; plan.materials],
@@ -41,6 +42,13 @@ pub(crate) fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
 
 pub(crate) fn heat_of(plan: &mut Plan) -> &mut HeatPlan {
     plan.heat.as_mut().expect("the plan has heat")
+}
+
+/// With a ledger, motion makes heat, too.
+pub(crate) fn keep_books(plan: &mut Plan, ledger: bool) {
+    plan.ledger = ledger;
+    let some = Dissipation { friction: 0.9, damping: 0.8 };
+    heat_of(plan).dissipation = if ledger { some } else { Dissipation::default() };
 }
 
 pub(crate) fn constant(value: f64) -> Course {

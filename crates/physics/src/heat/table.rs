@@ -25,6 +25,12 @@ pub fn heat_along<R: Real>(start: [R; 2], end: [R; 2], from: R, to: R) -> R {
     mean_temperature(line(start, end, from), line(start, end, to)) * (to - from)
 }
 
+/// $\frac{v_1 - v_0}{T_1 - T_0}$: by how much a property changes per kelvin along one straight piece.
+#[inline(always)]
+pub fn slope<R: Real>(start: [R; 2], end: [R; 2]) -> R {
+    (end[1] - start[1]) / (end[0] - start[0])
+}
+
 /// By how much a body becomes warmer that takes in heat within one straight piece of $c(T)$: $\int_T^{T'}c\,dT = q$ is
 /// quadratic in $T' - T$.
 ///
@@ -52,7 +58,7 @@ pub fn heat_along<R: Real>(start: [R; 2], end: [R; 2], from: R, to: R) -> R {
 #[inline(always)]
 pub fn rise<R: Real>(start: [R; 2], end: [R; 2], from: R, heat: R) -> R {
     let two = R::lit(2.0);
-    let slope = (end[1] - start[1]) / (end[0] - start[0]);
+    let slope = slope(start, end);
     let specific = line(start, end, from);
     two * heat / (specific + (specific * specific + two * (slope * heat)).sqrt())
 }

@@ -113,6 +113,23 @@ impl Formula for HeatAlong {
     }
 }
 
+/// [`table::slope`].
+#[derive(Clone, Copy, Debug)]
+pub struct TableSlope;
+
+impl Formula for TableSlope {
+    const NAME: &'static str = "table_slope";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value"];
+    const OUTPUTS: &'static [&'static str] = &["slope"];
+    type Input<R: Real> = (R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, low, end, high): Self::Input<R>) -> Self::Output<R> {
+        (table::slope([start, low], [end, high]),)
+    }
+}
+
 /// [`table::rise`].
 #[derive(Clone, Copy, Debug)]
 pub struct HeatRise;
@@ -212,6 +229,23 @@ impl Formula for SurfaceHeat {
     #[inline(always)]
     fn apply<R: Real>(&self, (exchange, temperature, outside): Self::Input<R>) -> Self::Output<R> {
         (exchange.heat_rate(temperature, outside),)
+    }
+}
+
+/// [`Exchange::tempered`].
+#[derive(Clone, Copy, Debug)]
+pub struct TemperedExchange;
+
+impl Formula for TemperedExchange {
+    const NAME: &'static str = "tempered_exchange";
+    const INPUTS: &'static [&'static str] = &["exchange", "conductivity"];
+    const OUTPUTS: &'static [&'static str] = &["tempered"];
+    type Input<R: Real> = (Exchange<R>, R);
+    type Output<R: Real> = (Exchange<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (exchange, conductivity): Self::Input<R>) -> Self::Output<R> {
+        (exchange.tempered(conductivity),)
     }
 }
 

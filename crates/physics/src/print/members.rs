@@ -3,7 +3,7 @@
 
 use crate::bond::{Advance, Bond, Cement, Coefficients, History, Joint, Modes, Posture, Reaction, Rest, Stress};
 use crate::contact::{Interaction, Kick, Losses, Period, Response, Sphere, Touch};
-use crate::heat::{Conductor, Exchange, Link};
+use crate::heat::{Conductor, Dissipation, Exchange, Link};
 use crate::motion::gear::Trajectory;
 use crate::motion::orientation::Quaternion;
 use crate::{Real, Vec3};
@@ -203,6 +203,7 @@ members!(Reaction {
 });
 
 members!(Conductor { conductivity: R, section: R });
+members!(Dissipation { friction: R, damping: R });
 members!(Link { conductance_length: R, first_growth: R, second_growth: R });
 members!(Exchange { flux_area: R, conductance: R, radiation: R, resistance: R });
 

@@ -52,11 +52,11 @@ impl Warming {
                 let material = state.material[k];
                 let [least, largest] =
                     specific_heats(plan, material).map(|specific_heat| state.mass[k] * specific_heat);
-                let through_surface = surface(plan, state.exposure[k]);
-                let certain = conductance[k][0] + through_surface;
+                let through_surface = surface(plan, material, state.exposure[k]);
+                let certain = conductance[k][0] + through_surface[0];
                 let contact = touching(plan.contacts, plan.conductor(material, material), state.radius[k])
                     * conductivities(plan, material, material)[1];
-                let all = conductance[k][1] + through_surface + (CONTACTS - bonds[k]).max(0.0) * contact;
+                let all = conductance[k][1] + through_surface[1] + (CONTACTS - bonds[k]).max(0.0) * contact;
                 // What is held at a temperature has no limit of its own.
                 if plan.exposures[usize::from(state.exposure[k])].temperature.is_some() {
                     return Warming::NONE;
@@ -99,12 +99,18 @@ fn touching(path: Path, conductor: &Conductor<f64>, radius: f64) -> f64 {
     between_spheres(path, conductor, radius, radius, &touch)
 }
 
-/// What surfaces conduct, W/K; radiation at its hottest.
-fn surface(plan: &HeatPlan, exposure: u16) -> f64 {
+/// What surfaces of a material conduct at least and at most, W/K; radiation at its hottest.
+fn surface(plan: &HeatPlan, material: u16, exposure: u16) -> [f64; 2] {
     let of = &plan.exposures[usize::from(exposure)];
-    let each = of.exchanges.iter().map(|(exchange, outside)| {
-        let hottest = outside.0.iter().map(|point| point[1]).fold(plan.reference_temperature, f64::max);
-        exchange.sensitivity(hottest, hottest)
-    });
-    each.sum()
+    let table = plan.tables.conductivity.get(usize::from(material));
+    let conductivities = table.map(|table| [table.least(), table.largest()]);
+    let each = |k: usize| {
+        let sensitivity = of.exchanges.iter().map(|(exchange, outside)| {
+            let hottest = outside.0.iter().map(|point| point[1]).fold(plan.reference_temperature, f64::max);
+            let exchange = conductivities.map_or(*exchange, |of| exchange.tempered(of[k]));
+            exchange.sensitivity(hottest, hottest)
+        });
+        sensitivity.sum()
+    };
+    [each(0), each(1)]
 }

@@ -57,8 +57,7 @@ pub(super) fn expose(
                 return 0;
             }
             *known.entry((material, of)).or_insert_with(|| {
-                let table = &context.materials.thermal[usize::from(material)].conductivity;
-                let conductivity = table.value(heat.initial_temperature + heat.scale.zero());
+                let conductivity = context.conductivity(usize::from(material));
                 let mut exposure = Exposure::default();
                 for of_skin in &mut parts {
                     of_skin.push(None);
@@ -194,7 +193,7 @@ impl Skin<'_> {
         }
         if let Some(convection) = &surface.convection {
             let conductance = surface_conductance(area, depth, conductivity, convection.coefficient.get());
-            add(Exchange { conductance, ..NONE }, course(&convection.temperature, zero));
+            add(Exchange { conductance, resistance, ..NONE }, course(&convection.temperature, zero));
         }
         if let Some(radiation) = &surface.radiation {
             let radiates = radiation.emissivity.get() * STEFAN_BOLTZMANN * area;
@@ -202,7 +201,7 @@ impl Skin<'_> {
         }
         if let Some(temperature) = surface.temperature.as_ref().filter(|_| !self.holds()) {
             let conductance = surface_conductance(area, depth, conductivity, f64::INFINITY);
-            add(Exchange { conductance, ..NONE }, course(temperature, zero));
+            add(Exchange { conductance, resistance, ..NONE }, course(temperature, zero));
         }
         if self.holds() {
             exposure.temperature = surface.temperature.as_ref().map(|temperature| course(temperature, zero));

@@ -7,7 +7,7 @@ use crate::cpu::bodies::Quad;
 use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
 use tdem_physics::bond::{
     Advance, Bond, Cement, Coefficients, Damping, Ends, Form, History, Joint, Posture, Reaction, Rest, damping,
-    respond_incremental, respond_total,
+    respond_incremental, respond_total, stored_energy,
 };
 use tdem_physics::contact::{Period, Sphere};
 use tdem_physics::motion::orientation::Quaternion;
@@ -73,11 +73,23 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
         if let Some(history) = history {
             remember(rows, &group, &history, active);
         }
+        if !rows.tension.is_empty() {
+            let tension = R::quads([reaction.load.normal, zero, zero, zero]);
+            for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+                rows.note(group.slot[l] as usize, tension[l][0]);
+            }
+        }
+        if !rows.energy.is_empty() {
+            let energy = R::quads([stored_energy(&reaction.load, &bond), zero, zero, zero]);
+            for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+                rows.note_energy(group.slot[l] as usize, energy[l][0]);
+            }
+        }
         if !rows.accounts.is_empty() {
             let loss = damping::loss(&ends, &settled(scene, &group, &ends), &bond, R::lit(scene.step));
             let loss = R::quads([loss, zero, zero, zero]);
             for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
-                rows.book(group.i[l] as usize, loss[l][0]);
+                rows.book(group.slot[l] as usize, group.i[l] as usize, loss[l][0]);
             }
         }
     }

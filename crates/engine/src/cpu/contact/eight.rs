@@ -256,7 +256,7 @@ fn keep_eight<V: Variant, R: Eight>(
         for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
             let [friction, damping, stiffening, _] = losses[l];
             let losses = Losses { friction, damping, stiffening };
-            rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, &losses);
+            rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, group.slot[l] as usize, &losses);
         }
     }
 }

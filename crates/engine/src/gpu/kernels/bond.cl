@@ -41,6 +41,22 @@ DEVICE Bond bond_at(const Step step, const Bond bond, const u32 first, const u32
 }
 #endif
 
+#if SOFTENING_WORK
+// What the springs of a bond gain per kelvin of either particle, as their stiffness changes.
+DEVICE real softening_of(const Step step, const Modes load, const Bond bond, const u32 first, const u32 second,
+                         const real mine, const real theirs, const Heated heated)
+{
+    const Factors factors = heated.factors[first * step.materials + second];
+    real mean, energy, slope, work;
+    mean_temperature(mine, theirs, &mean);
+    bond_energy(load, bond, &energy);
+    const Piece piece = heated.pieces[piece_at(heated.pieces, factors.stiffness, factors.end_stiffness, mean)];
+    table_slope(piece.start, piece.start_value, piece.end, piece.end_value, &slope);
+    softening_work(energy, property_at(heated.pieces, factors.stiffness, factors.end_stiffness, mean), slope, &work);
+    return work;
+}
+#endif
+
 // The velocities of the end of the step, as well as they are known.
 DEVICE Sphere settled(Sphere sphere, const Vec3 kick, const Vec3 twist)
 {
@@ -108,6 +124,9 @@ DEVICE void sum_reactions(const Step step, const u32 i, GLOBAL const u32 *RESTRI
 #if LEDGER && BOND_DASHPOTS
                           GLOBAL const real *RESTRICT bond_lost, Quad *account,
 #endif
+#if EXPANSION_WORK
+                          GLOBAL const real *RESTRICT bond_work,
+#endif
                           Vec3 *force, Vec3 *moment)
 {
     Vec3 f = zero(), m = zero();
@@ -125,6 +144,12 @@ DEVICE void sum_reactions(const Step step, const u32 i, GLOBAL const u32 *RESTRI
 #if HEAT
             heat->bonds -= bond_flow[entry & ~SECOND];
 #endif
+#if MAKES_HEAT && BOND_DASHPOTS
+            heat->made_by_bonds += half_of_heat(step, 0.0, bond_lost[entry & ~SECOND]);
+#endif
+#if EXPANSION_WORK
+            heat->work_of_bonds += bond_work[2u * (size_t)(entry & ~SECOND) + 1u];
+#endif
         } else {
             f = plus(f, reaction[at + 1u]);
             m = plus(m, reaction[at]);
@@ -133,6 +158,12 @@ DEVICE void sum_reactions(const Step step, const u32 i, GLOBAL const u32 *RESTRI
 #endif
 #if LEDGER && BOND_DASHPOTS
             damping += bond_lost[entry];
+#endif
+#if MAKES_HEAT && BOND_DASHPOTS
+            heat->made_by_bonds += half_of_heat(step, 0.0, bond_lost[entry]);
+#endif
+#if EXPANSION_WORK
+            heat->work_of_bonds += bond_work[2u * (size_t)entry];
 #endif
         }
     }
@@ -277,6 +308,19 @@ kernel bond
 #if HEAT
             bond_flow[b] = breaks ? 0.0 : flow;
 #endif
+#if EXPANSION_WORK
+            real work, work_of_second;
+            expansion_work_of_bond(link.first_growth, acting.load.normal, bonded_length, &work);
+            expansion_work_of_bond(link.second_growth, acting.load.normal, bonded_length, &work_of_second);
+#if SOFTENING_WORK
+            const real softening = softening_of(step, acting.load, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]),
+                                                temperature[i], temperature[j], heated);
+            work += softening;
+            work_of_second += softening;
+#endif
+            bond_work[2u * (size_t)b] = breaks ? 0.0 : work;
+            bond_work[2u * (size_t)b + 1u] = breaks ? 0.0 : work_of_second;
+#endif
 #if LEDGER && BOND_DASHPOTS
             real loss = 0.0;
 #if GEAR
@@ -297,14 +341,15 @@ kernel bond
 }
 
 #if !BONDS_APART
-// The law of one bond as seen from particle i, and the heat rate that goes through it into i.
+// The law of one bond as seen from particle i, the heat rate that goes through it into i, and what its spring gains per
+// kelvin of i.
 DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u32 k, const Sphere body,
                               const Sphere partner, const Vec3 offset, Posture posture,
                               GLOBAL const Quad *RESTRICT orientation, GLOBAL const Quad *RESTRICT bonded_place,
                               GLOBAL const u32 *RESTRICT kind, GLOBAL const Joint *RESTRICT joints,
                               GLOBAL const Bond *RESTRICT beams, GLOBAL const real *RESTRICT bond_strength,
                               const Vec3 bonded, const Heated heated, const real temperature, Bond *numbers,
-                              real *flow)
+                              real *flow, real *work)
 {
     posture.bonded_offset = offset_between(step, bonded, vector(LOAD(bonded_place, j)));
     posture.second_orientation = quaternion(LOAD(orientation, j));
@@ -328,6 +373,13 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
 #endif
     Reaction acting;
     bond_total(body, partner, offset, posture, *numbers, &acting);
+#if EXPANSION_WORK
+    expansion_work_of_bond(link.first_growth, acting.load.normal, bonded_length, work);
+#endif
+#if SOFTENING_WORK
+    *work += softening_of(step, acting.load, *numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs,
+                          heated);
+#endif
     return acting;
 }
 
@@ -369,10 +421,10 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         partner.radius = RADIUS_OF_PARTNER(x);
         const Vec3 offset = offset_between(step, body.position, vector(x));
         Bond numbers;
-        real flow;
+        real flow, work;
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
                                               kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
-                                              &numbers, &flow);
+                                              &numbers, &flow, &work);
 #if HEAT
         // Added before it is known whether the bond holds, so that nothing is kept meanwhile.
         heat->bonds += flow;
@@ -384,8 +436,11 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         }
         f = plus(f, acting.force);
         m = plus(m, acting.first_moment);
+#if EXPANSION_WORK
+        heat->work_of_bonds += work;
+#endif
 #if LEDGER && BOND_DASHPOTS
-        if (my_rank < rank[j]) {
+        if (MAKES_HEAT || my_rank < rank[j]) {
             real loss;
 #if GEAR
             bond_loss(body, partner, body, partner, offset, numbers, step.history_dt, &loss);
@@ -394,7 +449,12 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
                       settled(partner, vector(kick_by_half[j]), vector(twist_by_half[j])), offset, numbers,
                       step.history_dt, &loss);
 #endif
+#if MAKES_HEAT
+            heat->made_by_bonds += half_of_heat(step, 0.0, loss);
+            damping += my_rank < rank[j] ? loss : 0.0;
+#else
             damping += loss;
+#endif
         }
 #endif
     }
@@ -416,10 +476,10 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         const Sphere partner = sphere(place[j], motion[j], spin[j]);
         const Vec3 offset = offset_between(step, body.position, partner.position);
         Bond numbers;
-        real flow;
+        real flow, work;
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
                                               kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
-                                              &numbers, &flow);
+                                              &numbers, &flow, &work);
         if (!(acting.failure > 0.0)) {
 #if HEAT
             heat->bonds += flow;

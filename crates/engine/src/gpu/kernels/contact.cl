@@ -100,6 +100,15 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                 other[SLOT(k, i)] = j | TOUCHING;
             if (touch.overlap > step.overlap_limit * (body.radius + radius))
                 flags |= CRUSHED;
+#if MAKES_HEAT
+            heat->made_at_contacts += half_of_heat(step, response.losses.friction, response.losses.damping);
+#endif
+#if EXPANSION_WORK
+            real elastic;
+            elastic_between_spheres(body.radius, radius, touch.overlap, INTERACTION(material, MATERIAL_OF(kind[j])),
+                                    &elastic);
+            heat->pressure_of_contacts += elastic;
+#endif
 #if LEDGER
             if (my_rank < rank[j]) {
                 friction += response.losses.friction;
@@ -168,6 +177,16 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                                            heat->temperature,
                                            course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time),
                                            heated);
+#endif
+#if MAKES_HEAT
+            // A wall that has a temperature takes its half away.
+            const real share = half_of_heat(step, response.losses.friction, response.losses.damping);
+            heat->made_at_walls += wall.first_piece < wall.end_piece ? share : 2.0 * share;
+#endif
+#if EXPANSION_WORK
+            real elastic;
+            elastic_at_wall(body.radius, touch.overlap, INTERACTION(material, wall.material), &elastic);
+            heat->pressure_of_walls += elastic;
 #endif
 #if FRICTION
             keep_displacement(displacement, k, i, step.frozen ? kept : response.displacement);
@@ -266,6 +285,9 @@ kernel contact
 #if LEDGER && BOND_DASHPOTS
                           bond_lost, &account,
 #endif
+#if EXPANSION_WORK
+                          bond_work,
+#endif
                           &bond_force, &bond_moment);
 #elif BONDS
             sum_bonds(step, i, body, place, motion, spin, orientation, bonded_place, kind, rank, interactions, joints, beams,
@@ -310,10 +332,20 @@ kernel contact
             if (!step.frozen)
                 accounts[i] = account;
 #endif
-            force[i] = quad(f, heat_rate_of(step, i, &heat, heated));
+            force[i] = quad(f, heat_rate_of(step, i, MATERIAL_OF(kind[i]), &heat, heated));
+#if EXPANSION_WORK
+            const real work = work_per_kelvin_of(i, MATERIAL_OF(kind[i]), heat, heated);
+            work_per_kelvin[i] = work;
+            if (!step.frozen)
+                book_expansion(i, work, warming[i], heat_accounts);
+#endif
 #if HEAT && LEDGER
             if (!step.frozen)
-                book_heat(i, heat.foreign * step.heat_dt, heat_in, heat_out);
+                book_heat(i, heat.foreign * step.heat_dt, heat_accounts);
+#endif
+#if MAKES_HEAT
+            if (!step.frozen)
+                heat_accounts[i].z += made_heat(heat);
 #endif
 #if MOMENTS
             moment[i] = quad(m, 0.0);

@@ -34,18 +34,27 @@ typedef struct {
     heated.pieces = pieces;                      \
     heated.bond_other = bond_other
 
-// The temperature of a particle and its heat rate, as far as it is summed.
+// The temperature of a particle and its heat rate, as far as it is summed; and, where they are asked for, the heat that it
+// gets from friction and dashpots, and what its energy in springs gains per kelvin, each in parts that are added in the end.
 typedef struct {
     real temperature;
     real contacts;
     real bonds;
     real foreign;
+    real made_at_contacts;
+    real made_at_walls;
+    real made_by_bonds;
+    real pressure_of_contacts;
+    real pressure_of_walls;
+    real work_of_bonds;
 } Heat;
 
 DEVICE Heat heat_at(const u32 i, const Heated heated)
 {
     Heat heat;
     heat.temperature = heat.contacts = heat.bonds = heat.foreign = 0.0;
+    heat.made_at_contacts = heat.made_at_walls = heat.made_by_bonds = 0.0;
+    heat.pressure_of_contacts = heat.pressure_of_walls = heat.work_of_bonds = 0.0;
 #if HEAT
     heat.temperature = heated.temperature[i];
 #endif
@@ -229,44 +238,101 @@ DEVICE real from_wall(const Conductor conductor, const Sphere body, const Touch 
 
 #if LEDGER
 // Heat that came in, or left if it is negative, J.
-DEVICE void book_heat(const u32 i, const real heat, GLOBAL real *RESTRICT heat_in, GLOBAL real *RESTRICT heat_out)
+DEVICE void book_heat(const u32 i, const real heat, GLOBAL Quad *RESTRICT heat_accounts)
 {
     if (heat > 0.0)
-        heat_in[i] += heat;
+        heat_accounts[i].x += heat;
     else if (heat < 0.0)
-        heat_out[i] -= heat;
+        heat_accounts[i].y -= heat;
+}
+
+#if EXPANSION_WORK
+// Half of the work that expansion does in a step, J.
+DEVICE void book_expansion(const u32 i, const real work_per_kelvin, const real warming,
+                           GLOBAL Quad *RESTRICT heat_accounts)
+{
+    real work;
+    half_step_of_work(work_per_kelvin, warming, &work);
+    heat_accounts[i].w += work;
+}
+#endif
+#endif
+
+#if MAKES_HEAT
+// Heat that one of two bodies gets from what both lost, J.
+DEVICE real half_of_heat(const Step step, const real friction, const real damping)
+{
+    real energy;
+    dissipated_heat(step.dissipation, friction, damping, &energy);
+    return 0.5 * energy;
+}
+
+// Heat that a particle got from friction and dashpots, J.
+DEVICE real made_heat(const Heat heat)
+{
+    return heat.made_at_contacts + heat.made_at_walls + heat.made_by_bonds;
 }
 #endif
 #endif
 
 // The heat rate of a particle whose pairs and walls are summed. Outside values are those of the middle of the next step.
-DEVICE real heat_rate_of(const Step step, const u32 i, Heat *heat, const Heated heated)
+DEVICE real heat_rate_of(const Step step, const u32 i, const u32 material, Heat *heat, const Heated heated)
 {
 #if EXPOSED
     const Exposure exposed = heated.exposures[heated.exposure[i]];
     for (u32 k = exposed.first_exchange; k < exposed.end_exchange; ++k) {
         const Exchanging exchanging = heated.exchanges[k];
+        Exchange exchange = exchanging.exchange;
+#if CONDUCTIVITY_TABLES
+        const Tabled table = heated.conductivities[material];
+        tempered_exchange(exchanging.exchange,
+                          property_at(heated.pieces, table.first_piece, table.end_piece, heat->temperature), &exchange);
+#endif
         real rate;
-        surface_heat(exchanging.exchange, heat->temperature,
+        surface_heat(exchange, heat->temperature,
                      course_at(heated.pieces, exchanging.first_piece, exchanging.end_piece, step.heat_middle_time), &rate);
         heat->foreign += rate;
     }
 #endif
+    real rate = 0.0;
 #if HEAT && BONDS
-    return heat->contacts + heat->bonds + heat->foreign;
+    rate = heat->contacts + heat->bonds + heat->foreign;
 #elif HEAT
-    return heat->contacts + heat->foreign;
-#else
-    return 0.0;
+    rate = heat->contacts + heat->foreign;
 #endif
+#if MAKES_HEAT
+    real of_motion;
+    heat_rate_of_motion(made_heat(*heat), step.heat_dt, &of_motion);
+    rate += of_motion;
+#endif
+    return rate;
 }
+
+#if EXPANSION_WORK
+// What the energy in all springs gains per kelvin of a particle, J/K.
+DEVICE real work_per_kelvin_of(const u32 i, const u32 material, const Heat heat, const Heated heated)
+{
+    real work = 0.0;
+#if EXPANDS
+    expansion_work_of_contacts(heat.pressure_of_contacts + heat.pressure_of_walls, heated.thermals[material].expansion,
+                               heated.reference_radius[i], &work);
+#endif
+#if BONDS
+    work += heat.work_of_bonds;
+#endif
+    return work;
+}
+#endif
 
 #if HEAT
 // To the temperature of the end of the step, from the heat rate of its beginning, and to the radius that belongs to it;
 // returns a flag if that is no temperature.
 DEVICE u32 warm(const Step step, const u32 i, const u32 material, const real rate, const Heated heated, Sphere *body,
 #if LEDGER
-                GLOBAL real *RESTRICT heat_in, GLOBAL real *RESTRICT heat_out,
+                GLOBAL Quad *RESTRICT heat_accounts,
+#if EXPANSION_WORK
+                GLOBAL const real *RESTRICT work_per_kelvin, GLOBAL real *RESTRICT warming,
+#endif
 #endif
                 real *temperature)
 {
@@ -287,9 +353,9 @@ DEVICE u32 warm(const Step step, const u32 i, const u32 material, const real rat
         const real free = now;
         now = course_at(heated.pieces, exposed.first_piece, exposed.end_piece, step.next_heat_time);
 #if LEDGER && SPECIFIC_HEAT_TABLES
-        book_heat(i, body->mass * heat_between(heated.pieces, specific_heat, free, now), heat_in, heat_out);
+        book_heat(i, body->mass * heat_between(heated.pieces, specific_heat, free, now), heat_accounts);
 #elif LEDGER
-        book_heat(i, capacity * (now - free), heat_in, heat_out);
+        book_heat(i, capacity * (now - free), heat_accounts);
 #endif
     }
 #endif
@@ -297,6 +363,11 @@ DEVICE u32 warm(const Step step, const u32 i, const u32 material, const real rat
     real radius;
     grown(heated.reference_radius[i], thermal.expansion, now - step.reference_temperature, &radius);
     body->radius = radius;
+#endif
+#if EXPANSION_WORK
+    const real warmer = now - *temperature;
+    warming[i] = warmer;
+    book_expansion(i, work_per_kelvin[i], warmer, heat_accounts);
 #endif
     *temperature = now;
     return now > 0.0 && now < INFINITY ? 0u : UNPHYSICAL;

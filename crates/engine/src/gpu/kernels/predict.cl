@@ -149,7 +149,10 @@ kernel predict
                 real now = temperature[i];
                 wrong = warm(step, i, MATERIAL_OF(kind[i]), whole.w, heated, &body.sphere,
 #if LEDGER
-                             heat_in, heat_out,
+                             heat_accounts,
+#if EXPANSION_WORK
+                             work_per_kelvin, warming,
+#endif
 #endif
                              &now);
                 temperature[i] = now;

@@ -53,10 +53,9 @@ pub(super) fn conductivity(bench: &mut Bench) -> Result<(), Fault> {
     let slope = (last - first) / (to - from);
     let at = |temperature: f64| first + slope * (temperature - from);
     let integral = |temperature: f64| (0.5 * (first + at(temperature))) * (temperature - from);
-    let part = |state: &State, k: usize| (integral(hot) - integral(state.temperature[k])) / (integral(hot) - integral(cold));
-    let off = |state: &State| {
-        (0..=links).map(|k| (part(state, k) - k as f64 / links as f64).abs()).fold(0.0, f64::max)
-    };
+    let part =
+        |state: &State, k: usize| (integral(hot) - integral(state.temperature[k])) / (integral(hot) - integral(cold));
+    let off = |state: &State| (0..=links).map(|k| (part(state, k) - k as f64 / links as f64).abs()).fold(0.0, f64::max);
     let begin = bench.after(&scene, 2000)?;
     bench.judge(
         "integral of the conductivity: largest difference from the line, of the whole",
@@ -142,10 +141,9 @@ pub(super) fn stiffness(bench: &mut Bench) -> Result<(), Fault> {
         // Of the middle of a bond: T = 300 + 6 t, 30 K less at the first.
         let state = bench.after(&scene, steps)?;
         let temperature = 300.0 + 6.0 * steps as f64;
-        for (what, got, at) in [
-            ("first", state.force[0][0], temperature - 30.0),
-            ("last", -state.force[links][0], temperature),
-        ] {
+        for (what, got, at) in
+            [("first", state.force[0][0], temperature - 30.0), ("last", -state.force[links][0], temperature)]
+        {
             let what = format!("the {what} bond at {at} K: force over that at 300 K");
             bench.judge(what, "1", got / force, Kind::ClosedForm.relative(factor(at), 1e-10));
         }
@@ -165,7 +163,7 @@ pub(super) fn strength(bench: &mut Bench) -> Result<(), Fault> {
         let dt = scene.plan.dt;
         scene.hold_all();
         // Stored forces need motion to come about.
-        let stretch = 100;
+        let stretch = 100_u32;
         for k in 1..=3 {
             let shift = [Some(SPACING * strain * k as f64), Some(0.0), Some(0.0)];
             let way = Way { shift, turn: [Some(0.0); 3] };
