@@ -214,6 +214,27 @@ fn a_chain_whose_conductivity_is_straight_has_the_temperatures_of_kirchhoff() {
 }
 
 #[test]
+fn what_lies_before_a_particle_at_a_surface_conducts_by_its_temperature() {
+    let (area, depth, film) = (1e-4, 2e-3, 50.0);
+    let table = Table(vec![[300.0, 2.0], [700.0, 1.0]]);
+    let (mut state, mut plan, _) = held_chain(1);
+    let conductance = surface_conductance(area, depth, 1.0, film);
+    let resistance = depth / area;
+    let exchange = Exchange { flux_area: 0.0, conductance, radiation: 0.0, resistance };
+    let heat = heat_of(&mut plan);
+    heat.exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, constant(900.0))] });
+    heat.conductors[0].conductivity = 1.0;
+    heat.tables.conductivity = vec![table];
+    state.exposure[0] = 1;
+    for (temperature, conductivity) in [(300.0, 2.0), (500.0, 1.5), (800.0, 1.0)] {
+        state.temperature[0] = temperature;
+        let expected = surface_conductance(area, depth, conductivity, film) * (900.0 - temperature);
+        let found = after(&state, &plan, Options::default(), 0).heat_rate[0];
+        assert!((found / expected - 1.0).abs() < 1e-13, "{temperature} K: {found} {expected}");
+    }
+}
+
+#[test]
 fn a_held_bond_pulls_and_breaks_by_its_temperature() {
     let (mut state, mut plan, _) = held_chain(2);
     let stretch = 1e-3 * RADIUS;
