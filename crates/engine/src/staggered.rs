@@ -104,6 +104,11 @@ impl Staggered {
     fn rate(&mut self) -> Result<(), Fault> {
         let plan = Arc::clone(&self.plan);
         let Some((heat, scheme)) = advancing(&plan) else { return Ok(()) };
+        let now = Span { from: self.span().from, until: self.span().from };
+        if !heat.tables.is_empty() {
+            self.field.surround(Surroundings::during(now, scheme, heat))?;
+            self.field.temper()?;
+        }
         let span = match scheme {
             Scheme::Explicit => {
                 let span = self.span();
@@ -112,7 +117,7 @@ impl Staggered {
                 self.parts = ((span.until - span.from) / longest).ceil().max(1.0) as u64;
                 span.part(0, self.parts)
             }
-            Scheme::Implicit => Span { from: self.span().from, until: self.span().from },
+            Scheme::Implicit => now,
         };
         self.field.surround(Surroundings::during(span, scheme, heat))?;
         self.field.rate()
@@ -134,6 +139,7 @@ impl Staggered {
                 for part in 0..parts {
                     if part > 0 {
                         self.field.surround(Surroundings::during(span.part(part, parts), scheme, heat))?;
+                        self.field.temper()?;
                         self.field.rate()?;
                     }
                     self.field.warm(step)?;
@@ -175,12 +181,12 @@ impl Staggered {
     }
 }
 
-/// Where the temperatures of a run lie: with its device.
+/// Where the temperatures of a run lie: with its device, but on the processor where properties depend on temperature.
 fn open_field(device: Device, state: &State, plan: &Plan, pool: &Arc<ThreadPool>) -> Result<Box<dyn Field>, Fault> {
     let heat = plan.heat.as_ref().ok_or(Fault::Inconsistent { what: "heat that advances by itself is in the plan" })?;
     match device {
-        Device::Cpu(_) => Ok(Box::new(Processor::new(pool, heat, &state.exposure))),
-        Device::Gpu { api, index } => gpu::open_field(api, index, state, plan, heat),
+        Device::Gpu { api, index } if heat.tables.is_empty() => gpu::open_field(api, index, state, plan, heat),
+        Device::Cpu(_) | Device::Gpu { .. } => Ok(Box::new(Processor::new(pool, plan, heat, state))),
     }
 }
 

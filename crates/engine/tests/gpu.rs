@@ -7,7 +7,7 @@ mod common;
 use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
 use common::heated::{
     EXPANSION, NONE, REFERENCE, constant, frozen, heat_of, heated, heated_block, held_chain, in_turns, keep_books,
-    still_lattice, warm_block, warm_cloud,
+    still_lattice, temper, warm_block, warm_cloud,
 };
 use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
@@ -269,6 +269,36 @@ fn same_bits_with_heat_while_every_step_searches() {
         let end = both(&state, &plan, 300, &format!("heat, {law:?} {integrator:?} ledger {ledger}, every step"));
         assert!(broken(&end) > 20, "{} bonds broke", broken(&end));
     }
+}
+
+/// Conductivity, specific heat, stiffness and strength by tables, in every scheme of bonds.
+#[test]
+fn same_bits_where_materials_depend_on_temperature() {
+    let dashpots = bond::Law { damping: bond::Damping::Viscous, ..ELASTIC };
+    let (verlet, gear) = (Integrator::VelocityVerlet, Integrator::Gear);
+    for (law, integrator, ledger, every_step, path) in [
+        (ELASTIC, verlet, false, false, Path::Bar),
+        (dashpots, verlet, true, false, Path::Circle),
+        (dashpots, gear, true, true, Path::Bar),
+        (STORED, verlet, false, false, Path::Circle),
+    ] {
+        let (mut state, mut plan) = warm_block(law, integrator, 0.0);
+        temper(&mut plan);
+        plan.ledger = ledger;
+        heat_of(&mut plan).contacts = path;
+        if every_step {
+            (plan.search.every_step, plan.search.skin) = (true, 0.0);
+        }
+        // From one piece of the tables to others, also down, also over several.
+        state.exposure.iter_mut().skip(1).step_by(3).for_each(|exposure| *exposure = 3);
+        let what = format!("tables, {law:?} {integrator:?} ledger {ledger} every step {every_step} {path:?}");
+        let end = both(&state, &plan, 300, &what);
+        assert!(broken(&end) > 10 && broken(&end) < end.bonds.len(), "{} bonds broke", broken(&end));
+    }
+    let (state, mut plan) = warm_cloud();
+    temper(&mut plan);
+    plan.ledger = true;
+    both(&state, &plan, 200, "tables, a cloud");
 }
 
 /// A lattice of one size: what bonds are to heat is the same for all, or for each pair of materials.

@@ -16,6 +16,7 @@
 //! * [`surface`] what goes through the surface of a group: flux, convection, radiation
 //! * [`warming`] how temperature and radius follow
 //! * [`implicit`] the equation of a body in an implicit step
+//! * [`table`] what depends on temperature
 //! * [`dissipation`] heat of friction and of dashpots
 //! * [`expansion_work`] work that expansion does on springs
 //!
@@ -27,6 +28,7 @@ pub mod dissipation;
 pub mod expansion_work;
 pub mod implicit;
 pub mod surface;
+pub mod table;
 pub mod warming;
 
 pub use conduction::{Conductor, Link, Path};

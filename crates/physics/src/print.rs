@@ -31,8 +31,8 @@ mod heat_of_motion;
 mod members;
 
 pub use bonds::{
-    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, LocalDamping,
-    ReversedHistory, TurnOrientation,
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTempered, BondTotal, ContactBegun,
+    LocalDamping, ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, RampLine,
@@ -40,13 +40,13 @@ pub use formulas::{
     TouchOfSpheres, TouchOfWall,
 };
 pub use heat::{
-    AtWall, BetweenSpheres, ForeignAtEnd, FreeStrain, Grown, HeatFlow, ImplicitBalance, ImplicitHeld, LinkBetween,
-    LinkConductance, LinkWithinSide, LongestStep, ResidualSquares, SurfaceHeat, SurfaceSensitivity, ThermalSquare,
-    Warmed,
+    AtWall, BetweenSpheres, ForeignAtEnd, FreeStrain, Grown, HeatAlong, HeatFlow, HeatRise, ImplicitBalance,
+    ImplicitHeld, LinkBetween, LinkConductance, LinkWithinSide, LongestStep, MeanTemperature, ResidualSquares,
+    SurfaceHeat, SurfaceSensitivity, TableSlope, TakenIn, TemperedConductance, TemperedExchange, ThermalSquare, Warmed,
 };
 pub use heat_of_motion::{
     DissipatedHeat, ElasticAtWall, ElasticBetweenSpheres, ExpansionWorkOfBond, ExpansionWorkOfContacts, HalfStepOfWork,
-    HeatRateOfMotion,
+    HeatRateOfMotion, SofteningWork,
 };
 pub use members::{Members, Parameter, Parameters};
 
@@ -202,6 +202,7 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
     let bond::Law { form, damping } = law;
     vec![
         entry(&BondBetween { damping }),
+        entry(&BondTempered),
         entry(&BondRest),
         match form {
             Form::Total => entry(&BondTotal { damping }),
@@ -243,10 +244,17 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&BetweenSpheres { path }),
         entry(&AtWall { path }),
         entry(&HeatFlow),
+        entry(&TemperedConductance),
+        entry(&MeanTemperature),
+        entry(&HeatAlong),
+        entry(&HeatRise),
+        entry(&TableSlope),
+        entry(&TakenIn),
         entry(&LinkBetween),
         entry(&LinkWithinSide),
         entry(&LinkConductance),
         entry(&FreeStrain),
+        entry(&TemperedExchange),
         entry(&SurfaceHeat),
         entry(&Warmed),
         entry(&Grown),
@@ -257,6 +265,7 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&ExpansionWorkOfBond),
         entry(&ExpansionWorkOfContacts),
         entry(&HalfStepOfWork),
+        entry(&SofteningWork),
     ]
 }
 

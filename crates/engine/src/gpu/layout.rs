@@ -236,11 +236,11 @@ records! {
         end_piece: u32,
         padding: u32,
     }
-    /// A straight piece of a ramp or of a course: it holds from a time on until another.
+    /// A straight piece of a ramp, a course or a table: it holds from a time or temperature on until another.
     Piece {
-        /// s.
+        /// s or K.
         from: f64,
-        /// s.
+        /// s or K.
         until: f64,
         /// Two points of the line.
         start: f64,
@@ -250,6 +250,18 @@ records! {
         /// Which of the nine numbers of a constraint a ramp is about.
         number: u32,
         padding: u32,
+    }
+    /// Pieces of a table over temperature.
+    Tabled {
+        first_piece: u32,
+        end_piece: u32,
+    }
+    /// Pieces of the factors on stiffness and strength of the bonds of a pair of materials.
+    Factors {
+        stiffness: u32,
+        end_stiffness: u32,
+        strength: u32,
+        end_strength: u32,
     }
     /// What a material is to heat.
     Thermal {
@@ -466,15 +478,15 @@ kernels! {
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
         temperature: update f64, reference_radius: read f64, listed_radius: read f64, thermals: read Thermal,
-        exposure: read u32, exposures: read Exposure, heat_accounts: seldom Quad,
-        work_per_kelvin: read f64, warming: write f64,
+        exposure: read u32, exposures: read Exposure, specific_heats: read Tabled,
+        heat_accounts: seldom Quad, work_per_kelvin: read f64, warming: write f64,
     }
     /// See `kernels/bond.cl`.
     bond as EvaluateBonds(128, 4) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad where |v| v.bonds_move(), spin: read Quad where |v| v.bonds_move(),
         orientation: read Quad where |v| !v.bonds_remember(), bonded_place: read Quad where |v| !v.bonds_remember(),
-        kind: read u32 where |v| !v.one_bond || v.links_by_material(), interactions: seldom Pair,
+        kind: read u32 where |v| !v.one_bond || v.links_by_material() || v.tempers_pairs(), interactions: seldom Pair,
         joints: read JointOf where |v| !v.alike_bonds, beams: read Beam where |v| v.alike_bonds && !v.one_bond,
         slice: seldom u32, other: seldom u32, bond_other: seldom u32, bond_ends: amend u32, bond_length: read f64,
         bond_strength: read f64, bond_history: update f64, reaction: write Vector, bond_lost: write f64,
@@ -483,6 +495,7 @@ kernels! {
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32 where |v| v.bounded,
         exposures: read Exposure where |v| v.bounded, bond_flow: write f64, bond_work: write f64,
+        pieces: read Piece where |v| v.tempers_pairs(), conductivities: read Tabled, factors: read Factors,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
@@ -490,7 +503,7 @@ kernels! {
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
         kind: read u32 where |v| {
             !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material()
-                || v.heat.is_some() && !v.one_conductor
+                || v.heat.is_some() && !v.one_conductor || v.tempers_pairs()
         },
         rank: read u32 where |v| v.ledger,
         interactions: read Pair where |v| !v.one_pair,
@@ -509,6 +522,7 @@ kernels! {
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius() && !v.bonds_apart,
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        conductivities: read Tabled, factors: read Factors,
         heat_accounts: seldom Quad, work_per_kelvin: write f64, warming: read f64,
     }
     /// See `kernels/correct.cl`.
@@ -540,6 +554,7 @@ kernels! {
         temperature: read f64, next_temperature: write f64, reference_radius: read f64, listed_radius: read f64,
         thermals: read Thermal, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        conductivities: read Tabled, specific_heats: read Tabled, factors: read Factors,
     }
     /// See `kernels/bond.cl`.
     take_bonds as TakeBonds(128, 4) {

@@ -310,6 +310,10 @@ impl<R: Runtime> Field for Conducting<R> {
         self.queue.upload(&self.around, &values.collect::<Vec<_>>())?;
         Ok(())
     }
+    fn temper(&mut self) -> Result<(), Fault> {
+        // Where properties depend on temperature, temperatures lie on the processor.
+        Ok(())
+    }
     fn longest_step(&mut self) -> Result<f64, Fault> {
         if self.particles() == 0 {
             return Ok(f64::INFINITY);

@@ -67,6 +67,16 @@ pub(crate) struct Variant {
     pub(crate) alike_links: bool,
     /// Whether there is only one kind of them.
     pub(crate) one_link: bool,
+    /// Whether conductivities depend on temperature.
+    pub(crate) conductivity_tables: bool,
+    /// Whether specific heats do.
+    pub(crate) specific_heat_tables: bool,
+    /// Whether the numbers of bonds do.
+    pub(crate) bond_tables: bool,
+    /// Whether the ledger follows the work that expansion and softening do on springs.
+    pub(crate) expansion_work: bool,
+    /// Whether stiffnesses of bonds depend on temperature.
+    pub(crate) softens: bool,
 }
 
 /// What all contacts that particles of this state can have are told, if it is the same for all.
@@ -131,6 +141,11 @@ impl Variant {
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
             alike_links: alike_links.is_some(),
             one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),
+            conductivity_tables: heat.is_some_and(|heat| !heat.tables.conductivity.is_empty()),
+            specific_heat_tables: heat.is_some_and(|heat| !heat.tables.specific_heat.is_empty()),
+            expansion_work: plan.books_expansion(),
+            softens: !state.bonds.is_empty() && plan.softens(),
+            bond_tables: !state.bonds.is_empty() && plan.bonds.as_ref().is_some_and(|bonds| !bonds.tables.is_empty()),
         }
     }
     /// Whether a step is one kernel.
@@ -156,6 +171,10 @@ impl Variant {
     /// Whether what a bond is to heat is looked up by materials.
     pub(crate) fn links_by_material(&self) -> bool {
         self.bonds && self.heat.is_some() && !self.one_link
+    }
+    /// Whether what acts between two particles depends on their temperature.
+    pub(crate) fn tempers_pairs(&self) -> bool {
+        self.conductivity_tables || self.bond_tables
     }
     /// Whether the numbers of a bond are worked out from radii at the reference temperature.
     pub(crate) fn bonds_by_radius(&self) -> bool {
@@ -209,12 +228,16 @@ impl Program for Variant {
             ("HEAT_THROUGH_CONTACTS", self.heat.is_some_and(|path| path != Path::Closed)),
             ("EXPANDS", self.expands),
             ("MAKES_HEAT", self.makes_heat),
-            ("EXPANSION_WORK", self.ledger && self.expands),
+            ("EXPANSION_WORK", self.expansion_work),
+            ("SOFTENING_WORK", self.expansion_work && self.softens),
             ("EXPOSED", self.exposed),
             ("BOUNDED", self.bounded),
             ("ONE_CONDUCTOR", self.one_conductor),
             ("ALIKE_LINKS", self.alike_links),
             ("ONE_LINK", self.one_link),
+            ("CONDUCTIVITY_TABLES", self.conductivity_tables),
+            ("SPECIFIC_HEAT_TABLES", self.specific_heat_tables),
+            ("BOND_TABLES", self.bond_tables),
             ("CONTACTS_BESIDE_BONDS", self.contacts_beside_bonds()),
         ];
         for (name, on) in switches {

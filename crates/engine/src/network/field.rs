@@ -23,6 +23,8 @@ pub(crate) trait Field: Send {
     fn link(&mut self, network: Network) -> Result<(), Fault>;
     /// Stands in these surroundings from now on.
     fn surround(&mut self, around: Surroundings) -> Result<(), Fault>;
+    /// Lets conductances and capacities follow the present temperatures, where properties depend on them.
+    fn temper(&mut self) -> Result<(), Fault>;
     /// The longest explicit step in which no particle is carried beyond its neighbours, s; those of prescribed temperature
     /// do not count.
     fn longest_step(&mut self) -> Result<f64, Fault>;

@@ -4,7 +4,7 @@ use super::field::{Field, Stuck, is_temperature};
 use super::{Network, Rates, Surroundings};
 use crate::cpu::{self, CHUNK, optional};
 use crate::heat::book;
-use crate::{Fault, HeatPlan, State};
+use crate::{Fault, HeatPlan, Plan, State};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -23,21 +23,38 @@ pub(crate) struct Processor {
     network: Network,
     around: Surroundings,
     rates: Rates,
+    /// What properties that depend on temperature are looked up by.
+    tempered: Option<Tempered>,
     /// The first that has no temperature.
     wrong: Option<usize>,
 }
 
+/// What tables are looked up by.
+pub(crate) struct Tempered {
+    /// `(N)`.
+    pub(crate) material: Vec<u16>,
+    /// kg, `(N)`.
+    pub(crate) mass: Vec<f64>,
+    /// `(walls)`.
+    pub(crate) wall_material: Vec<u16>,
+}
+
 impl Processor {
-    pub(crate) fn new(pool: &Arc<ThreadPool>, heat: &HeatPlan, exposure: &[u16]) -> Self {
+    pub(crate) fn new(pool: &Arc<ThreadPool>, plan: &Plan, heat: &HeatPlan, state: &State) -> Self {
         Processor {
             heat: heat.clone(),
             pool: Arc::clone(pool),
-            exposure: exposure.to_vec(),
+            exposure: state.exposure.clone(),
             temperature: Vec::new(),
             accounts: Vec::new(),
             network: Network::default(),
             around: Surroundings::default(),
             rates: Rates::default(),
+            tempered: (!heat.tables.is_empty()).then(|| Tempered {
+                material: state.material.clone(),
+                mass: state.mass.clone(),
+                wall_material: plan.walls.iter().map(|wall| wall.material).collect(),
+            }),
             wrong: None,
         }
     }
@@ -66,6 +83,12 @@ impl Field for Processor {
         self.around = around;
         Ok(())
     }
+    fn temper(&mut self) -> Result<(), Fault> {
+        if let Some(by) = &self.tempered {
+            self.network.temper(&self.temperature, by, &self.heat, &self.around);
+        }
+        Ok(())
+    }
     fn longest_step(&mut self) -> Result<f64, Fault> {
         Ok(self.network.longest_step(&self.temperature, &self.exposure, &self.heat, &self.around))
     }
@@ -85,7 +108,7 @@ impl Field for Processor {
             return Ok(());
         }
         let (capacity, rates, exposure) = (&self.network.capacity, &self.rates, &self.exposure);
-        let prescribed = &self.around.prescribed;
+        let (prescribed, heat, tempered) = (&self.around.prescribed, &self.heat, self.tempered.as_ref());
         self.wrong = self
             .temperature
             .par_chunks_mut(CHUNK)
@@ -95,11 +118,18 @@ impl Field for Processor {
                 let mut wrong = None;
                 for k in 0..temperature.len() {
                     let i = chunk * CHUNK + k;
-                    let free = warmed(temperature[k], rates.total[i], capacity[i], step);
+                    let free = match tempered {
+                        Some(by) => heat.warmed(by.material[i], by.mass[i], temperature[k], rates.total[i], step),
+                        None => warmed(temperature[k], rates.total[i], capacity[i], step),
+                    };
                     let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
                     if let Some(account) = accounts.get_mut(k) {
                         book(account, rates.foreign[i] * step);
-                        book(account, capacity[i] * (now - free));
+                        let given = match tempered {
+                            Some(by) => heat.heat_between(by.material[i], by.mass[i], free, now),
+                            None => capacity[i] * (now - free),
+                        };
+                        book(account, given);
                     }
                     temperature[k] = now;
                     if !is_temperature(now) {
@@ -123,6 +153,7 @@ impl Field for Processor {
         size_of_val(&self.temperature[..])
             + size_of_val(&self.accounts[..])
             + size_of_val(&self.exposure[..])
+            + self.tempered.as_ref().map_or(0, |by| size_of_val(&by.material[..]) + size_of_val(&by.mass[..]))
             + self.network.bytes()
             + self.rates.bytes()
     }

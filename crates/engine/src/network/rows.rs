@@ -1,5 +1,6 @@
 //! What conducts to each particle, row by row.
 
+use super::CHUNK;
 use rayon::prelude::*;
 use std::ops::Range;
 use tdem_physics::heat::conduction::flow;
@@ -15,6 +16,8 @@ pub(super) struct Rows {
     other: Vec<u32>,
     /// W/K, `(L)`.
     conductance: Vec<f64>,
+    /// The same with a conductivity of 1 W/(m K), `(L)`; empty where no conductivity depends on temperature.
+    unit: Vec<f64>,
 }
 
 /// A pair of particles that conducts: indices, the lower id first, and conductance, W/K.
@@ -61,12 +64,28 @@ impl Rows {
             start[particle + 1] += start[particle];
         }
         let entries = start[particles];
-        Rows { start, other: vec![0; entries], conductance: vec![0.0; entries] }
+        Rows { start, other: vec![0; entries], conductance: vec![0.0; entries], unit: Vec::new() }
     }
     fn place(&mut self, next: &mut [usize], owner: u32, other: u32, conductance: f64) {
         let place = &mut next[owner as usize];
         (self.other[*place], self.conductance[*place]) = (other, conductance);
         *place += 1;
+    }
+
+    /// Whatever conductances are now is what they are with a conductivity of 1 W/(m K).
+    pub(super) fn depend_on_temperature(&mut self) {
+        self.unit.clone_from(&self.conductance);
+    }
+    /// Conductances of the present moment, from particle, other and conductance with a conductivity of 1 W/(m K).
+    pub(super) fn temper(&mut self, conductance: impl Fn(usize, usize, f64) -> f64 + Sync + Send) {
+        let Rows { start, other, conductance: now, unit } = self;
+        let mut rest = &mut now[..];
+        let rows: Vec<_> = start.windows(2).map(|row| rest.split_off_mut(..row[1] - row[0])).collect();
+        rows.into_par_iter().with_min_len(CHUNK).enumerate().for_each(|(particle, row)| {
+            for (now, place) in row.into_iter().flatten().zip(start[particle]..) {
+                *now = conductance(particle, other[place] as usize, unit[place]);
+            }
+        });
     }
 
     #[inline(always)]
@@ -96,7 +115,10 @@ impl Rows {
         self.row(particle).fold(0.0, |sum, (_, conductance)| sum + conductance)
     }
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&self.start[..]) + size_of_val(&self.other[..]) + size_of_val(&self.conductance[..])
+        size_of_val(&self.start[..])
+            + size_of_val(&self.other[..])
+            + size_of_val(&self.conductance[..])
+            + size_of_val(&self.unit[..])
     }
 }
 

@@ -118,13 +118,10 @@ fn thermal_force(state: &State, plan: &Plan) -> f64 {
 
 /// The same of one bond; `None` if it has no numbers.
 fn thermal_force_of(state: &State, plan: &Plan, bond: usize) -> Option<f64> {
-    let law = plan.bonds.as_ref()?.law;
     let (i, j) = (state.index_of(state.bonds[bond].first)?, state.index_of(state.bonds[bond].second)?);
     let offset = state.bonded_offset(plan, i, j);
     let length = offset.dot(offset).sqrt();
-    let [first, second] = [i, j].map(|index| state.bonded_sphere(index));
-    let joint = plan.joint(state.material[i], state.material[j])?;
-    let stiffness = joint.bond_of_spheres(law.damping, &first, &second, length, 1.0).stiffness.normal;
+    let stiffness = state.bond_numbers(plan, [i, j], 1.0)?.stiffness.normal;
     let free_strain = state.link(plan, i, j)?.free_strain(WARMTH, WARMTH);
     Some((stiffness * free_strain * length).abs())
 }

@@ -10,7 +10,8 @@ use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
 use tdem_engine::{
-    Around, Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, Thermal,
+    Around, BondTables, Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State,
+    Table, Thermal, ThermalTables,
 };
 
 pub(crate) const REFERENCE: f64 = 293.15;
@@ -27,6 +28,7 @@ pub(crate) fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
         reference_temperature: REFERENCE,
         materials: vec![Thermal { specific_heat: SPECIFIC_HEAT, expansion }; plan.materials],
         conductors: vec![conductor; plan.materials * plan.materials],
+        tables: ThermalTables::default(),
         contacts: Path::Bar,
         exposures: vec![Exposure::default()],
         sides: Vec::new(),
@@ -137,6 +139,32 @@ pub(crate) fn warm_block(law: bond::Law, integrator: Integrator, expansion: f64)
         };
     }
     (state, plan)
+}
+
+/// Lets everything that can depend on temperature do so: materials in turn, bonds of all pairs; stiffness only where bonds
+/// remember nothing.
+pub(crate) fn temper(plan: &mut Plan) {
+    let materials = plan.materials;
+    let conductivities =
+        [Table(vec![[280.0, 2.0], [350.0, 1.3], [480.0, 1.1]]), Table(vec![[300.0, 1.0], [310.0, 4.0], [450.0, 3.0]])];
+    let specific_heats = [
+        Table(vec![[300.0, 900.0], [340.0, 1000.0], [345.0, 2500.0], [350.0, 1000.0]]),
+        Table(vec![[250.0, 500.0], [700.0, 800.0]]),
+    ];
+    let heat = heat_of(plan);
+    heat.conductors.iter_mut().for_each(|conductor| conductor.conductivity = 1.0);
+    heat.tables = ThermalTables {
+        conductivity: (0..materials).map(|k| conductivities[k % 2].clone()).collect(),
+        specific_heat: (0..materials).map(|k| specific_heats[k % 2].clone()).collect(),
+    };
+    if let Some(bonds) = &mut plan.bonds {
+        let falling = |to: f64| Table(vec![[293.15, 1.0], [400.0, 0.5 * (1.0 + to)], [520.0, to]]);
+        let of_pairs = |to: f64| {
+            (0..materials * materials).map(|k| falling(if k % (materials + 1) == 0 { to } else { to - 0.1 })).collect()
+        };
+        let stiffness = if bonds.remembers() { Vec::new() } else { of_pairs(0.4) };
+        bonds.tables = BondTables { stiffness, strength: of_pairs(0.7) };
+    }
 }
 
 pub(crate) const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };

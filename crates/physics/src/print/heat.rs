@@ -3,7 +3,7 @@
 use super::Formula;
 use crate::Real;
 use crate::contact::Touch;
-use crate::heat::{Conductor, Exchange, Link, Outside, Path, conduction, implicit, warming};
+use crate::heat::{Conductor, Exchange, Link, Outside, Path, conduction, implicit, table, warming};
 
 /// [`conduction::between_spheres`].
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,108 @@ impl Formula for HeatFlow {
     #[inline(always)]
     fn apply<R: Real>(&self, (conductance, first_temperature, second_temperature): Self::Input<R>) -> Self::Output<R> {
         (conduction::flow(conductance, first_temperature, second_temperature),)
+    }
+}
+
+/// [`conduction::tempered`].
+#[derive(Clone, Copy, Debug)]
+pub struct TemperedConductance;
+
+impl Formula for TemperedConductance {
+    const NAME: &'static str = "tempered_conductance";
+    const INPUTS: &'static [&'static str] = &["unit_conductance", "first", "second"];
+    const OUTPUTS: &'static [&'static str] = &["conductance"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (unit_conductance, first, second): Self::Input<R>) -> Self::Output<R> {
+        (conduction::tempered(unit_conductance, first, second),)
+    }
+}
+
+/// [`table::mean_temperature`].
+#[derive(Clone, Copy, Debug)]
+pub struct MeanTemperature;
+
+impl Formula for MeanTemperature {
+    const NAME: &'static str = "mean_temperature";
+    const INPUTS: &'static [&'static str] = &["first", "second"];
+    const OUTPUTS: &'static [&'static str] = &["mean"];
+    type Input<R: Real> = (R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (first, second): Self::Input<R>) -> Self::Output<R> {
+        (table::mean_temperature(first, second),)
+    }
+}
+
+/// [`table::heat_along`].
+#[derive(Clone, Copy, Debug)]
+pub struct HeatAlong;
+
+impl Formula for HeatAlong {
+    const NAME: &'static str = "heat_along";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value", "from", "to"];
+    const OUTPUTS: &'static [&'static str] = &["heat"];
+    type Input<R: Real> = (R, R, R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, low, end, high, from, to): Self::Input<R>) -> Self::Output<R> {
+        (table::heat_along([start, low], [end, high], from, to),)
+    }
+}
+
+/// [`table::slope`].
+#[derive(Clone, Copy, Debug)]
+pub struct TableSlope;
+
+impl Formula for TableSlope {
+    const NAME: &'static str = "table_slope";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value"];
+    const OUTPUTS: &'static [&'static str] = &["slope"];
+    type Input<R: Real> = (R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, low, end, high): Self::Input<R>) -> Self::Output<R> {
+        (table::slope([start, low], [end, high]),)
+    }
+}
+
+/// [`table::rise`].
+#[derive(Clone, Copy, Debug)]
+pub struct HeatRise;
+
+impl Formula for HeatRise {
+    const NAME: &'static str = "heat_rise";
+    const INPUTS: &'static [&'static str] = &["start", "start_value", "end", "end_value", "from", "heat"];
+    const OUTPUTS: &'static [&'static str] = &["rise"];
+    type Input<R: Real> = (R, R, R, R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (start, low, end, high, from, heat): Self::Input<R>) -> Self::Output<R> {
+        (table::rise([start, low], [end, high], from, heat),)
+    }
+}
+
+/// [`warming::taken_in`].
+#[derive(Clone, Copy, Debug)]
+pub struct TakenIn;
+
+impl Formula for TakenIn {
+    const NAME: &'static str = "heat_taken_in";
+    const INPUTS: &'static [&'static str] = &["heat_rate", "mass", "heat_dt"];
+    const OUTPUTS: &'static [&'static str] = &["heat"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (heat_rate, mass, heat_dt): Self::Input<R>) -> Self::Output<R> {
+        (warming::taken_in(heat_rate, mass, heat_dt),)
     }
 }
 
@@ -161,6 +263,23 @@ impl Formula for SurfaceSensitivity {
     #[inline(always)]
     fn apply<R: Real>(&self, (exchange, temperature, outside): Self::Input<R>) -> Self::Output<R> {
         (exchange.sensitivity(temperature, &outside),)
+    }
+}
+
+/// [`Exchange::tempered`].
+#[derive(Clone, Copy, Debug)]
+pub struct TemperedExchange;
+
+impl Formula for TemperedExchange {
+    const NAME: &'static str = "tempered_exchange";
+    const INPUTS: &'static [&'static str] = &["exchange", "conductivity"];
+    const OUTPUTS: &'static [&'static str] = &["tempered"];
+    type Input<R: Real> = (Exchange<R>, R);
+    type Output<R: Real> = (Exchange<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (exchange, conductivity): Self::Input<R>) -> Self::Output<R> {
+        (exchange.tempered(conductivity),)
     }
 }
 

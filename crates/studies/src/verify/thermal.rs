@@ -5,12 +5,13 @@ mod conduction;
 mod expansion;
 mod motion;
 mod surfaces;
+mod tables;
 
 use super::scene::{HELD, Scene};
 use super::{Case, Tier};
 use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
 use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
-use tdem_engine::{Around, Course, Exposure, HeatPlan, Motion, Thermal};
+use tdem_engine::{Around, Course, Exposure, HeatPlan, Motion, Thermal, ThermalTables};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -61,6 +62,34 @@ pub(super) const CASES: &[Case] = &[
         source: "H = 2 lambda_12 sqrt(R* h), Batchelor & O'Brien, Proc. R. Soc. A 355 (1977) 313",
         about: "Two unequal spheres pressed together, one of them to a warm wall of another material: heat rates, and 30 steps.",
         body: conduction::contact_circle,
+    },
+    Case {
+        name: "thermal/conductivity-table",
+        tier: Tier::Quick,
+        source: "Kirchhoff: the integral of lambda dT is straight; H_1/n times its whole flows in and out",
+        about: "The ends of a chain whose conductivity falls with temperature are held: temperatures, heat in and out; and by implicit steps.",
+        body: tables::conductivity,
+    },
+    Case {
+        name: "thermal/specific-heat-table",
+        tier: Tier::Quick,
+        source: "the integral of c dT, by trapezia",
+        about: "Four spheres are heated and cooled by fluxes along a specific heat with a peak: temperatures at the end.",
+        body: tables::specific_heat,
+    },
+    Case {
+        name: "thermal/stiffness-table",
+        tier: Tier::Quick,
+        source: "F = f(T) K_n u, T the mean of both particles",
+        about: "A stretched chain is held and heated, its first sphere colder: forces at both ends.",
+        body: tables::stiffness,
+    },
+    Case {
+        name: "thermal/strength-table",
+        tier: Tier::Quick,
+        source: "s = f(T) s_lim",
+        about: "A stretched chain is held and heated in both forms: temperature at which its bonds break.",
+        body: tables::strength,
     },
     Case {
         name: "thermal/lumped-cooling",
@@ -278,6 +307,7 @@ impl Scene {
             reference_temperature: ROOM,
             materials: (0..count).map(|k| thermal(material(k))).collect(),
             conductors: (0..count * count).map(|k| conductor(k / count, k % count)).collect(),
+            tables: ThermalTables::default(),
             contacts,
             exposures: vec![Exposure::default()],
             sides: Vec::new(),
