@@ -221,7 +221,6 @@ fn check_ledger(state: &State, plan: &Plan, steps: u64, part: f64) {
     simulation.advance(steps).expect("it runs through");
     let ledger = Ledger::of(&simulation.state().expect("a state can be taken"), plan);
     let (error, work) = (ledger.energy_error, ledger.expansion_work);
-    println!("{error} of {work} J, {} J in springs", ledger.elastic_bonds + ledger.elastic_normal);
     assert!(work.abs() > 1e-9, "{work}");
     assert!(error.abs() < part * work.abs(), "{error} of {work}");
 }

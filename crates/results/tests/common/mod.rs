@@ -9,7 +9,7 @@ use std::path::Path;
 use tdem_engine::physics::bond::{self, Cement, Damping, Form, Joint};
 use tdem_engine::physics::contact::{Friction, Interaction, Law};
 use tdem_engine::{
-    Bond, BondPlan, Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu,
+    Bond, BondPlan, BondTables, Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu,
 };
 use tdem_results::{Control, Note, Observer, Progress, RunDirectory};
 
