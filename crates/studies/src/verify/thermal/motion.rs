@@ -130,7 +130,7 @@ pub(super) fn expansion_work(bench: &mut Bench) -> Result<(), Fault> {
     let faces: Vec<usize> = (0..scene.state.len())
         .filter(|&k| {
             let x = scene.state.position[k][0];
-            x < 0.25 * LATTICE_CONSTANT || x > 3.25 * LATTICE_CONSTANT
+            !(0.25 * LATTICE_CONSTANT..=3.25 * LATTICE_CONSTANT).contains(&x)
         })
         .collect();
     for &k in &faces {
