@@ -1,8 +1,9 @@
-//! Heat: conduction, surfaces, expansion and its stresses, balance. What the engine knows of it; friction heats nothing.
+//! Heat: conduction, surfaces, expansion and its stresses, balance, heat of friction and of dashpots.
 
 mod balance;
 mod conduction;
 mod expansion;
+mod motion;
 mod surfaces;
 
 use super::scene::{HELD, Scene};
@@ -151,6 +152,27 @@ pub(super) const CASES: &[Case] = &[
         source: "first law: heat stored and under way = in - out",
         about: "27 unequal spheres and a bonded chain fly and rub in a box, two of its walls warm, with fluxes, films, radiation and prescribed temperatures, and grow.",
         body: balance::first_law,
+    },
+    Case {
+        name: "thermal/sliding-block",
+        tier: Tier::Quick,
+        source: "sum of m c dT = mu F_n s",
+        about: "A bonded block that rests on the floor by its weight is pushed along it: heat in its spheres.",
+        body: motion::sliding_block,
+    },
+    Case {
+        name: "thermal/heat-of-collisions",
+        tier: Tier::Quick,
+        source: "first law: what the motion loses, heat gains",
+        about: "27 spheres collide and rub in an insulated box: energy lost and heat made, by the ledger and in the spheres.",
+        body: motion::heat_of_collisions,
+    },
+    Case {
+        name: "thermal/expansion-work",
+        tier: Tier::Quick,
+        source: "K_n/2 (L alpha dT)^2 for each bond of a held chain; the ledger closes",
+        about: "A chain between rigid ends is heated, then a block through two faces that are held: work of expansion, energy in bonds.",
+        body: motion::expansion_work,
     },
     Case {
         name: "thermal/slab-55",
