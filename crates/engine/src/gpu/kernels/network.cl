@@ -2,7 +2,7 @@
 // particles chunk by chunk in order, then the chunks in order. Particles stand in the order of ids.
 //
 // A group has a chunk. Its terms are found side by side and added one after the other by one work-item, while others of
-// the same multiprocessor find theirs.
+// the same multiprocessor find theirs. Where there are two sums, two warps have one each.
 
 #define GROUP  256u
 #define CHUNK  1024u
@@ -47,6 +47,14 @@ typedef struct {
 #define ADD_UP(sum, terms, count)           \
     for (u32 term = 0; term < (count); ++term) \
         sum += terms[term]
+
+// The same of a chunk, by the first work-item of a warp, into the partial sums of the chunks.
+#define ADD_UP_CHUNK(warp, terms, count)                            \
+    if (LOCAL_INDEX == (warp) * SIDE && (count) > 0u) {             \
+        real sum = 0.0;                                             \
+        ADD_UP(sum, terms, count);                                  \
+        partial[(warp) * conduction.chunks + GROUP_INDEX] = sum;    \
+    }
 
 DEVICE u64 place_of(const Rows rows, const u32 i, const u32 entry)
 {
@@ -223,13 +231,8 @@ kernel begin
         capacities[k] = capacity[i];
     }
     BARRIER;
-    if (LOCAL_INDEX == 0u) {
-        real square = 0.0, all = 0.0;
-        ADD_UP(square, squares, count);
-        ADD_UP(all, capacities, count);
-        partial[GROUP_INDEX] = square;
-        partial[conduction.chunks + GROUP_INDEX] = all;
-    }
+    ADD_UP_CHUNK(0u, squares, count)
+    ADD_UP_CHUNK(1u, capacities, count)
 }
 
 kernel assemble
@@ -260,13 +263,8 @@ kernel assemble
         errors[k] = error;
     }
     BARRIER;
-    if (LOCAL_INDEX == 0u) {
-        real square = 0.0, error = 0.0;
-        ADD_UP(square, squares, count);
-        ADD_UP(error, errors, count);
-        partial[GROUP_INDEX] = square;
-        partial[conduction.chunks + GROUP_INDEX] = error;
-    }
+    ADD_UP_CHUNK(0u, squares, count)
+    ADD_UP_CHUNK(1u, errors, count)
 }
 
 kernel multiply
@@ -283,11 +281,7 @@ kernel multiply
         terms[k] = way[i] * made;
     }
     BARRIER;
-    if (LOCAL_INDEX == 0u && count > 0u) {
-        real work = 0.0;
-        ADD_UP(work, terms, count);
-        partial[GROUP_INDEX] = work;
-    }
+    ADD_UP_CHUNK(0u, terms, count)
 }
 
 kernel advance
@@ -307,13 +301,8 @@ kernel advance
         errors[k] = error;
     }
     BARRIER;
-    if (LOCAL_INDEX == 0u && count > 0u) {
-        real square = 0.0, error = 0.0;
-        ADD_UP(square, squares, count);
-        ADD_UP(error, errors, count);
-        partial[GROUP_INDEX] = square;
-        partial[conduction.chunks + GROUP_INDEX] = error;
-    }
+    ADD_UP_CHUNK(0u, squares, count)
+    ADD_UP_CHUNK(1u, errors, count)
 }
 
 kernel turn
@@ -342,29 +331,36 @@ kernel conduct
         total[i] = conducted(rows, i, end) + foreign[i];
 }
 
-// The sum of so many partial sums, as one work-item of the group has it; all of the group must come here.
-#define ADD_CHUNKS(sum, tile, sums, count)                              \
-    for (u32 base = 0; base < (count); base += CHUNK) {                 \
-        const u32 here = (count) - base < CHUNK ? (count) - base : CHUNK; \
-        for (u32 k = LOCAL_INDEX; k < here; k += GROUP)                 \
-            tile[k] = (sums)[base + k];                                 \
-        BARRIER;                                                        \
-        if (LOCAL_INDEX == 0u)                                          \
-            ADD_UP(sum, tile, here);                                    \
-        BARRIER;                                                        \
-    }
+// Sums of so many partial sums, by the first work-item of each of the first warps; all of the group must come here.
+#define ADD_UP_CHUNKS(sums, warps, count)                                      \
+    LOCAL real tile[(warps) * CHUNK];                                          \
+    LOCAL real sums[warps];                                                    \
+    const u32 warp = LOCAL_INDEX / SIDE;                                       \
+    const u32 adds = LOCAL_INDEX % SIDE == 0u && warp < (warps);               \
+    real sum = 0.0;                                                            \
+    for (u32 base = 0; base < (count); base += CHUNK) {                        \
+        const u32 here = (count) - base < CHUNK ? (count) - base : CHUNK;      \
+        for (u32 k = LOCAL_INDEX; k < here; k += GROUP)                        \
+            for (u32 of = 0; of < (warps); ++of)                               \
+                tile[of * CHUNK + k] = partial[of * conduction.chunks + base + k]; \
+        BARRIER;                                                               \
+        if (adds)                                                              \
+            for (u32 term = 0; term < here; ++term)                            \
+                sum += tile[warp * CHUNK + term];                              \
+        BARRIER;                                                               \
+    }                                                                          \
+    if (adds)                                                                  \
+        sums[warp] = sum;                                                      \
+    BARRIER
 
 kernel take_content
 {
-    LOCAL real tile[CHUNK];
-    real square = 0.0, all = 0.0;
-    ADD_CHUNKS(square, tile, partial, conduction.chunks);
-    ADD_CHUNKS(all, tile, partial + conduction.chunks, conduction.chunks);
+    ADD_UP_CHUNKS(sums, 2u, conduction.chunks);
     if (LOCAL_INDEX == 0u) {
         Scalars now;
         now.square = now.error = now.part = now.turn = 0.0;
-        now.limit = conduction.tolerance_squared * square;
-        now.capacity = all;
+        now.limit = conduction.tolerance_squared * sums[0];
+        now.capacity = sums[1];
         now.iterations = now.done = now.stuck = now.padding = 0u;
         scalars[0] = now;
     }
@@ -372,11 +368,10 @@ kernel take_content
 
 kernel take_work
 {
-    LOCAL real tile[CHUNK];
     const u32 count = scalars[0].done ? 0u : conduction.chunks;
-    real work = 0.0;
-    ADD_CHUNKS(work, tile, partial, count);
+    ADD_UP_CHUNKS(sums, 1u, count);
     if (LOCAL_INDEX == 0u && count > 0u) {
+        const real work = sums[0];
         scalars[0].part = scalars[0].square / work;
         if (scalars[0].iterations == conduction.most_iterations || !(work > 0.0))
             scalars[0].done = scalars[0].stuck = 1u;
@@ -385,16 +380,13 @@ kernel take_work
 
 kernel take_squares
 {
-    LOCAL real tile[CHUNK];
     const u32 count = scalars[0].done ? 0u : conduction.chunks;
-    real square = 0.0, error = 0.0;
-    ADD_CHUNKS(square, tile, partial, count);
-    ADD_CHUNKS(error, tile, partial + conduction.chunks, count);
+    ADD_UP_CHUNKS(sums, 2u, count);
     if (LOCAL_INDEX == 0u && count > 0u) {
-        scalars[0].turn = square / scalars[0].square;
-        scalars[0].square = square;
-        scalars[0].error = error;
+        scalars[0].turn = sums[0] / scalars[0].square;
+        scalars[0].square = sums[0];
+        scalars[0].error = sums[1];
         scalars[0].iterations += counted;
-        scalars[0].done = !(error > scalars[0].limit);
+        scalars[0].done = !(sums[1] > scalars[0].limit);
     }
 }
