@@ -342,6 +342,12 @@ kernel bond
 #endif
 }
 
+#if HEAT
+#define TEMPERATURE_OF(j)  LOAD_REAL(heated.temperature, j)
+#else
+#define TEMPERATURE_OF(j)  0.0
+#endif
+
 #if !BONDS_APART
 // The law of one bond as seen from particle i, the heat rate that goes through it into i, and what its spring gains per
 // kelvin of i.
@@ -350,7 +356,7 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
                               GLOBAL const Quad *RESTRICT orientation, GLOBAL const Quad *RESTRICT bonded_place,
                               GLOBAL const u32 *RESTRICT kind, GLOBAL const Joint *RESTRICT joints,
                               GLOBAL const Bond *RESTRICT beams, GLOBAL const real *RESTRICT bond_strength,
-                              const Vec3 bonded, const Heated heated, const real temperature, Bond *numbers,
+                              const Vec3 bonded, const Heated heated, const real temperature, const real theirs, Bond *numbers,
                               real *flow, real *work)
 {
     posture.bonded_offset = offset_between(step, bonded, vector(LOAD(bonded_place, j)));
@@ -360,7 +366,6 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
     *numbers = bond_of(step, i, j, first, second, bonded_length, kind, joints, beams);
 #if HEAT
     const Link link = link_of(step, i, j, first, second, kind, heated);
-    const real theirs = heated.temperature[j];
     *flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs, heated);
 #if EXPANDS
     posture.free_strain = strain_of(step, link, temperature, theirs);
@@ -419,13 +424,15 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
             continue;
         const u32 j = entry & ~HOLDS;
         const Quad x = LOAD(place, j);
+        // With the place: what waits for one waits for both.
+        const real theirs = TEMPERATURE_OF(j);
         Sphere partner = BONDED_SPHERE(x, j);
         partner.radius = RADIUS_OF_PARTNER(x);
         const Vec3 offset = offset_between(step, body.position, vector(x));
         Bond numbers;
         real flow, work;
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
-                                              kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
+                                              kind, joints, beams, bond_strength, bonded, heated, heat->temperature, theirs,
                                               &numbers, &flow, &work);
 #if HEAT
         // Added before it is known whether the bond holds, so that nothing is kept meanwhile.
@@ -476,11 +483,12 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
             continue;
         const u32 j = entry & ~HOLDS;
         const Sphere partner = sphere(place[j], motion[j], spin[j]);
+        const real theirs = TEMPERATURE_OF(j);
         const Vec3 offset = offset_between(step, body.position, partner.position);
         Bond numbers;
         real flow, work;
         const Reaction acting = evaluate_bond(step, i, j, k, body, partner, offset, posture, orientation, bonded_place,
-                                              kind, joints, beams, bond_strength, bonded, heated, heat->temperature,
+                                              kind, joints, beams, bond_strength, bonded, heated, heat->temperature, theirs,
                                               &numbers, &flow, &work);
         if (!(acting.failure > 0.0)) {
 #if HEAT

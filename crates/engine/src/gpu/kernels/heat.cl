@@ -244,7 +244,12 @@ DEVICE real strain_of(const Step step, const Link link, const real mine, const r
 }
 
 // Into a particle, through a contact.
-DEVICE real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
+#if BONDS_KEEP_OFF
+SELDOM
+#else
+DEVICE
+#endif
+real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
                             const u32 material, const u32 other, const real mine, const real theirs, const Heated heated)
 {
     real conductance, rate;

@@ -8,6 +8,8 @@
 
 #define KERNEL(threads, groups) extern "C" __global__ void __launch_bounds__(threads, groups)
 #define DEVICE static __device__ __forceinline__
+// Called so seldom that it must not take registers from what calls it.
+#define SELDOM static __device__ __noinline__
 #define GLOBAL
 #define LOCAL __shared__
 #define RESTRICT __restrict__
@@ -33,6 +35,7 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
     const double2 low = __ldg(halves), high = __ldg(halves + 1);
     return QUAD(low.x, low.y, high.x, high.y);
 }
+#define LOAD_REAL(p, i) __ldg((p) + (i))
 
 // Asks for a word that will be read soon.
 #define WILL_READ(p) asm volatile("prefetch.global.L2 [%0];" ::"l"(p))
@@ -63,6 +66,7 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
 
 #define KERNEL(threads, groups) __kernel __attribute__((reqd_work_group_size(threads, 1, 1))) void
 #define DEVICE static inline
+#define SELDOM static __attribute__((noinline))
 #define GLOBAL __global
 #define LOCAL __local
 #define RESTRICT restrict
@@ -76,6 +80,7 @@ typedef double4 Quad;
 
 #define QUAD(x, y, z, w) ((Quad)((x), (y), (z), (w)))
 #define LOAD(p, i) ((p)[i])
+#define LOAD_REAL(p, i) ((p)[i])
 // NVIDIA's compiler drops the built-in.
 #ifdef __NV_CL_C_VERSION
 #define WILL_READ(p) asm volatile("prefetch.global.L2 [%0];" ::"l"(p))
