@@ -250,13 +250,10 @@ pub(crate) fn still_lattice() -> (State, Plan) {
     let open = |exchanges| Exposure { temperature: None, exchanges };
     let cooling = Course(vec![[0.0, 900.0], [50.0, 600.0]]);
     heat.exposures.extend([
-        open(vec![
-            (flux, Around::flux(Course(vec![[0.0, 1e5], [100.0, 4e5]]))),
-            (glow, Around { fluid: Some(cooling.clone()), surroundings: Some(cooling), ..Around::default() }),
-        ]),
+        open(vec![(flux, Around::flux(Course(vec![[0.0, 1e5], [100.0, 4e5]]))), (glow, furnace(cooling))]),
         Exposure {
             temperature: Some(Course(vec![[0.0, 300.0], [80.0, 500.0]])),
-            exchanges: vec![(glow, Around::fluid(constant(900.0)))],
+            exchanges: vec![(glow, furnace(constant(900.0)))],
         },
         open(vec![(Exchange { conductance: 2e-3, ..NONE }, Around::fluid(constant(280.0)))]),
     ]);
