@@ -1,8 +1,9 @@
-//! Courses of a case: files that they are measured in are read, and points that do not follow each other in time are found.
+//! Courses of a case, and tables over temperature: files that they are measured in are read, and points that do not follow
+//! each other are found.
 
 use crate::check::COMPONENTS;
 use crate::problem::Problem;
-use crate::schema::{Case, Course, Force, Measured, Prescribed};
+use crate::schema::{Case, Course, Force, Prescribed, Property};
 use crate::structure::suggestion;
 use crate::table;
 use crate::tree::Node;
@@ -17,12 +18,10 @@ pub(crate) fn settle(case: &mut Case, tree: &Node, base_dir: &Path) -> Vec<Probl
     for (keys, course) in all(case) {
         let path: Vec<&str> = keys.iter().map(String::as_str).collect();
         if let Course::Measured(measured) = course {
-            match read(measured, base_dir) {
+            let columns = [("time", measured.time.as_str()), ("value", measured.value.as_str())];
+            match read(&measured.file, columns, measured.time_factor.get(), base_dir) {
                 Ok(points) => *course = Course::Points(points),
-                Err(fault) => {
-                    let place = tree.place(&[&path[..], &[fault.key]].concat());
-                    problems.push(Problem::error(fault.code, fault.what).at(place, "see there").help(fault.help));
-                }
+                Err(fault) => problems.push(fault.problem(tree, &path)),
             }
         } else if let Course::Points(points) = course {
             problems.extend(backwards(points).map(|(point, before, after)| {
@@ -33,7 +32,47 @@ pub(crate) fn settle(case: &mut Case, tree: &Node, base_dir: &Path) -> Vec<Probl
             }));
         }
     }
+    for (keys, property) in properties(case) {
+        let path: Vec<&str> = keys.iter().map(String::as_str).collect();
+        if let Property::Measured(measured) = property {
+            let columns = [("temperature", measured.temperature.as_str()), ("value", measured.value.as_str())];
+            match read(&measured.file, columns, 1.0, base_dir) {
+                Ok(points) => *property = Property::Points(points),
+                Err(fault) => problems.push(fault.problem(tree, &path)),
+            }
+        } else if let Property::Points(points) = property {
+            problems.extend(backwards(points).map(|(point, before, after)| {
+                let place = tree.place(&[&path[..], &[&point.to_string()]].concat());
+                let message = format!("the table goes from a temperature of {before} to {after}");
+                Problem::error("tdem::case::inverted-range", message)
+                    .at(place, "must be warmer than the point before it")
+                    .help("give points [temperature, value] from cold to warm; a jump takes a small step")
+            }));
+        }
+    }
     problems
+}
+
+/// All properties of a case that may depend on temperature.
+fn properties(case: &mut Case) -> Vec<(Vec<String>, &mut Property)> {
+    let mut found = Vec::new();
+    for (name, material) in &mut case.material {
+        let path = ["material".to_owned(), name.clone()];
+        let of = [
+            ("thermal_conductivity", material.thermal_conductivity.as_mut()),
+            ("specific_heat", material.specific_heat.as_mut()),
+        ];
+        found.extend(of.into_iter().filter_map(|(key, property)| Some((below(&path, &[key]), property?))));
+    }
+    for (k, joint) in case.bond.iter_mut().enumerate() {
+        let path = ["bond".to_owned(), k.to_string()];
+        let of = [
+            ("stiffness_over_temperature", joint.stiffness_over_temperature.as_mut()),
+            ("strength_over_temperature", joint.strength_over_temperature.as_mut()),
+        ];
+        found.extend(of.into_iter().filter_map(|(key, property)| Some((below(&path, &[key]), property?))));
+    }
+    found
 }
 
 /// All courses of a case.
@@ -82,7 +121,7 @@ fn driven<'c>(path: &[String], prescribed: &'c mut Prescribed, force: &'c mut Fo
     found.extend(rates.chain(forces).filter_map(|(key, name, course)| Some((below(path, &[key, name]), course?))));
 }
 
-/// Points that are not later than those before them: their indices, and both times.
+/// Points that do not follow those before them: their indices, and both times or temperatures.
 fn backwards(points: &[[f64; 2]]) -> impl Iterator<Item = (usize, f64, f64)> {
     let times = |k: usize| (k, points[k - 1][0], points[k][0]);
     (1..points.len()).map(times).filter(|(_, before, after)| before >= after)
@@ -97,9 +136,17 @@ struct Fault {
     help: String,
 }
 
-/// Points of a table.
-fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
-    let path = base_dir.join(&measured.file);
+impl Fault {
+    /// The same of the course or table to which these keys lead.
+    fn problem(self, tree: &Node, path: &[&str]) -> Problem {
+        let place = tree.place(&[path, &[self.key]].concat());
+        Problem::error(self.code, self.what).at(place, "see there").help(self.help)
+    }
+}
+
+/// Points of a file: keys and names of two columns, and what multiplies the first, which ascends.
+fn read(file: &str, columns: [(&'static str, &str); 2], factor: f64, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
+    let path = base_dir.join(file);
     let name = path.display();
     let fault = |code, key, what: String, help: &str| Fault { code, key, what, help: help.to_owned() };
     let text = std::fs::read_to_string(&path).map_err(|error| {
@@ -115,30 +162,31 @@ fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
             "its first line names the columns",
         ));
     };
-    let columns: Vec<&str> = header.split(',').map(|column| column.trim().trim_matches('"')).collect();
-    let column = |key, wanted: &str| {
-        columns.iter().position(|column| *column == wanted).ok_or_else(|| {
+    let known: Vec<&str> = header.split(',').map(|column| column.trim().trim_matches('"')).collect();
+    let [along, _] = columns.map(|(key, _)| key);
+    let column = |(key, wanted): (&'static str, &str)| {
+        known.iter().position(|column| *column == wanted).ok_or_else(|| {
             let what = format!("{name} has no column `{wanted}`");
-            fault("tdem::case::csv-column", key, what, &suggestion(wanted, &columns))
+            fault("tdem::case::csv-column", key, what, &suggestion(wanted, &known))
         })
     };
-    let chosen = [column("time", &measured.time)?, column("value", &measured.value)?];
+    let chosen = [column(columns[0])?, column(columns[1])?];
     let mut points = Vec::new();
     for (number, line) in lines {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let value = |column: usize| fields.get(column).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite());
-        let [Some(time), Some(value)] = chosen.map(value) else {
+        let [Some(place), Some(value)] = chosen.map(value) else {
             let what = format!("{name}:{number}: `{line}` has no numbers in both columns");
             return Err(fault("tdem::case::csv-value", "file", what, "numbers look like 1.5e-3, with commas between"));
         };
-        points.push([time * measured.time_factor.get(), value]);
+        points.push([place * factor, value]);
     }
     if points.is_empty() {
         return Err(fault(
             "tdem::case::csv-empty",
             "file",
             format!("{name} has no rows"),
-            "each row is a time and a value",
+            &format!("each row is a {along} and a value"),
         ));
     }
     if table::is_cut_off(&text) {
@@ -146,8 +194,10 @@ fn read(measured: &Measured, base_dir: &Path) -> Result<Vec<[f64; 2]>, Fault> {
         return Err(fault("tdem::case::csv-truncated", "file", what, "write the file again"));
     }
     if let Some((_, before, after)) = backwards(&points).next() {
-        let what = format!("{name}: time goes from {before} s to {after} s");
-        return Err(fault("tdem::case::inverted-range", "file", what, "rows follow each other in time"));
+        let unit = if along == "time" { " s" } else { "" };
+        let what = format!("{name}: {along} goes from {before}{unit} to {after}{unit}");
+        let help = format!("rows follow each other, from the lowest {along} on");
+        return Err(fault("tdem::case::inverted-range", "file", what, &help));
     }
     Ok(points)
 }

@@ -96,8 +96,8 @@ impl Loaded {
         format!("# Every default written out.\n{size}{body}")
     }
 
-    /// The same case without heat: TBPM becomes BPM. What only heat has goes with it: surfaces, temperatures, gauges of
-    /// surfaces, and all curves, which may show them.
+    /// The same case without heat: TBPM becomes BPM. What only heat has goes with it: surfaces, temperatures, tables of bonds,
+    /// gauges of surfaces, and all curves, which may show them.
     #[must_use]
     pub fn without_heat(&self) -> Loaded {
         let mut without = self.clone();
@@ -109,6 +109,9 @@ impl Loaded {
         case.wall.iter_mut().for_each(|wall| wall.temperature = None);
         case.boxes.iter_mut().for_each(|of| of.temperature = None);
         case.particles.iter_mut().for_each(|group| group.temperature = None);
+        for joint in &mut case.bond {
+            (joint.stiffness_over_temperature, joint.strength_over_temperature) = (None, None);
+        }
         case.gauge.retain(|gauge| gauge.surface.is_none());
         without
     }

@@ -33,11 +33,12 @@ impl Materials {
             .collect();
         let scaling = case.time.mass_scaling();
         let mut density: Vec<f64> = case.material.values().map(|m| scaling * m.density.get()).collect();
-        let mut thermal: Vec<Conducting> = case.material.values().map(|m| Conducting::of(m, scaling)).collect();
+        let zero = case.heat.as_ref().map_or(0.0, |heat| heat.scale.zero());
+        let mut thermal: Vec<Conducting> = case.material.values().map(|of| Conducting::of(of, zero, scaling)).collect();
         names.push(RIGID.to_owned());
         elastic.push(Elastic::RIGID);
         density.push(f64::INFINITY);
-        thermal.push(Conducting::NOTHING);
+        thermal.push(Conducting::nothing());
         let count = names.len();
         let mut materials = Materials { names, elastic, density, thermal, given: vec![None; count * count] };
         for (k, interaction) in case.interaction.iter().enumerate() {

@@ -119,6 +119,12 @@ fn messages_as_a_user_reads_them() {
         "bond-simple-cubic",
         "bond-out-of-reach",
         "bond-poisson",
+        "heat-table-backwards",
+        "heat-table-range",
+        "heat-stiffness-incremental",
+        "heat-factor-range",
+        "heat-factor-without-heat",
+        "heat-series-without-table",
     ] {
         insta::assert_snapshot!(file, shown(&format!("{file}.toml")));
     }

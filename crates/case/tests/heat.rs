@@ -85,6 +85,62 @@ fn bonds_conduct_like_the_solid() {
     assert_eq!(heat.conductor(0, 1).conductivity, 0.0, "what is rigid conducts nothing");
 }
 
+/// The same case with other words in the place of some.
+fn build_with(words: &[(&str, &str)], tail: &str) -> Built {
+    let text = words.iter().fold(format!("{HEAD}{tail}"), |text, (old, new)| {
+        assert!(text.contains(old), "{old}");
+        text.replace(old, new)
+    });
+    let loaded = parse("case.toml", &text, Path::new(env!("CARGO_MANIFEST_DIR")), &[]).expect("the text is right");
+    let written =
+        parse("written.toml", &loaded.effective_toml(), Path::new("."), &[]).expect("what is written can be read");
+    assert_eq!(written.case, loaded.case);
+    loaded.build().expect("the case can be built")
+}
+
+#[test]
+fn materials_may_depend_on_temperature() {
+    let numbers = build(HEAT);
+    let same = [
+        ("thermal_conductivity = 1.5", "thermal_conductivity = [[20.0, 1.5], [500.0, 1.5]]"),
+        ("specific_heat = 900.0", "specific_heat = [[0.0, 900.0]]"),
+    ];
+    assert_eq!(build_with(&same, HEAT).plan, numbers.plan, "a table of one value is a number");
+
+    let tables = [
+        ("thermal_conductivity = 1.5", "thermal_conductivity = [[20.0, 2.0], [500.0, 3.0], [600.0, 1.0]]"),
+        (
+            "specific_heat = 900.0",
+            "specific_heat = { file = \"tests/bad/property.csv\", temperature = \"T\", value = \"c\" }",
+        ),
+        ("shear_strength =", "stiffness_over_temperature = [[20.0, 1.0], [500.0, 4.0]]\nshear_strength ="),
+        ("tensile_strength =", "strength_over_temperature = [[20.0, 1.0], [500.0, 0.0]]\ntensile_strength ="),
+    ];
+    let built = build_with(&tables, HEAT);
+    let heat = built.plan.heat.as_ref().expect("the plan has heat");
+    let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    close(heat.tables.conductivity[0].value(260.0 + 273.15), 2.5);
+    close(heat.tables.specific_heat[0].value(310.0 + 273.15), 1000.0);
+    close(heat.tables.conductivity[1].value(300.0), 0.0);
+    assert_eq!(heat.conductor(0, 0).conductivity, 1.0);
+    let bonds = built.plan.bonds.as_ref().expect("the plan has bonds");
+    close(bonds.tables.stiffness[0].value(260.0 + 273.15), 2.5);
+    close(bonds.tables.strength[0].value(260.0 + 273.15), 0.5);
+
+    // Steps are those of the stiffest bonds, the best conductor and the least heat.
+    let limit = |built: &Built, name: &str| {
+        built.limits.limits.iter().find(|limit| limit.name == name).map(|limit| limit.seconds).expect("there is one")
+    };
+    for (name, expected) in [
+        ("bonds", 0.5),
+        ("the bonds of one particle", 1.0),
+        ("conduction of heat", 0.5),
+        ("the heat of one particle", 1.5 * 11.0 / 9.0),
+    ] {
+        close(limit(&built, name) / limit(&numbers, name), expected);
+    }
+}
+
 #[test]
 fn time_of_heat_is_scaled_or_lasts() {
     let scale = |tail: &str| build(&format!("{HEAT}{tail}")).plan.heat.expect("the plan has heat").time_scale;

@@ -1,9 +1,11 @@
 //! Bonds as a state keeps them and a plan describes them.
 
-use crate::{Fault, Plan, State};
+use crate::{Fault, Plan, State, Table};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::bond::{self, Coefficients, Failure, Form, History, Joint, Law};
+use tdem_physics::heat::expansion_work::of_softening;
+use tdem_physics::heat::table::mean_temperature;
 
 /// Two particles that are, or were, bonded.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +93,8 @@ pub struct BondPlan {
     /// What bonds are made of, for each pair of materials, `(materials, materials)`, symmetric, row by row; `None` where
     /// nothing is bonded.
     pub joints: Vec<Option<Joint<f64>>>,
+    /// How they depend on temperature.
+    pub tables: BondTables,
     /// Whether contacts act beside bonds that hold. If not, a contact begins in the step in which its bond breaks, and
     /// remembers nothing of before.
     pub contact_in_bonded_pairs: bool,
@@ -98,6 +102,44 @@ pub struct BondPlan {
     /// force and moment that move a particle, not from those whose motion is prescribed. See
     /// [`tdem_physics::motion::local_damping`].
     pub local_damping: f64,
+}
+
+/// Factors over temperature on the numbers of bonds, at the mean temperature of their particles. Each list is for all pairs
+/// of materials, `(materials, materials)`, symmetric, row by row, or empty where nothing depends on temperature.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BondTables {
+    /// On all four stiffnesses, positive; only of bonds that remember no forces.
+    pub stiffness: Vec<Table>,
+    /// On both strengths, at least 0.
+    pub strength: Vec<Table>,
+}
+
+impl BondTables {
+    /// Whether nothing depends on temperature.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.stiffness.is_empty() && self.strength.is_empty()
+    }
+    /// Factors on stiffness and strength of the bonds of a pair of materials, a place in the lists, at the temperatures of
+    /// both particles, K.
+    #[inline(always)]
+    pub(crate) fn factors(&self, pair: usize, temperatures: [f64; 2]) -> [f64; 2] {
+        let mean = mean_temperature(temperatures[0], temperatures[1]);
+        [&self.stiffness, &self.strength].map(|tables| tables.get(pair).map_or(1.0, |table| table.value(mean)))
+    }
+    /// What the springs of such a bond gain per kelvin of either particle, J/K, if they hold so much energy, J.
+    pub(crate) fn softening(&self, pair: usize, temperatures: [f64; 2], energy: f64) -> f64 {
+        let mean = mean_temperature(temperatures[0], temperatures[1]);
+        self.stiffness.get(pair).map_or(0.0, |table| of_softening(energy, table.value(mean), table.slope(mean)))
+    }
+    /// Whether each list is for all pairs or for none, and no value is out of range.
+    fn are_sound(&self, pairs: usize) -> bool {
+        let all = |tables: &[Table]| tables.is_empty() || tables.len() == pairs;
+        all(&self.stiffness)
+            && all(&self.strength)
+            && self.stiffness.iter().all(|table| table.is_sound(|value| value > 0.0))
+            && self.strength.iter().all(|table| table.is_sound(|value| value >= 0.0))
+    }
 }
 
 impl BondPlan {
@@ -168,6 +210,22 @@ impl State {
         self.bonds.iter().map(unloaded).collect()
     }
 
+    /// The numbers of a bond of so much strength between particles of these indices, at their temperatures; `None` where
+    /// nothing is bonded.
+    pub(crate) fn bond_numbers(&self, plan: &Plan, [i, j]: [usize; 2], strength: f64) -> Option<bond::Bond<f64>> {
+        let bonds = plan.bonds.as_ref()?;
+        let offset = self.bonded_offset(plan, i, j);
+        let joint = plan.joint(self.material[i], self.material[j])?;
+        let [first, second] = [i, j].map(|k| self.bonded_sphere(k));
+        let numbers = joint.bond_of_spheres(bonds.law.damping, &first, &second, offset.dot(offset).sqrt(), strength);
+        if bonds.tables.is_empty() {
+            return Some(numbers);
+        }
+        let pair = usize::from(self.material[i]) * plan.materials + usize::from(self.material[j]);
+        let [stiffness, strength] = bonds.tables.factors(pair, [i, j].map(|k| self.temperature[k]));
+        Some(numbers.tempered(stiffness, strength))
+    }
+
     /// From the first particle of a bond to the second when they were bonded, m: the nearest image. The arguments are
     /// indices of particles.
     pub(crate) fn bonded_offset(&self, plan: &Plan, first: usize, second: usize) -> Vec3<f64> {
@@ -210,6 +268,15 @@ impl State {
             check(
                 bonds.joints.len() == plan.materials * plan.materials,
                 "every pair of materials has a joint or none",
+            )?;
+            check(
+                bonds.tables.are_sound(plan.materials * plan.materials),
+                "tables of bonds are for all pairs of materials or none, ascend in temperature, and keep bonds stiff",
+            )?;
+            check(bonds.tables.is_empty() || plan.heat.is_some(), "what depends on temperature needs heat")?;
+            check(
+                bonds.tables.stiffness.is_empty() || !bonds.remembers(),
+                "bonds that remember forces keep their stiffness: the total form does not remember",
             )?;
             check((0.0..1.0).contains(&bonds.local_damping), "local damping is at least 0 and less than 1")?;
         }

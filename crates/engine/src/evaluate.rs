@@ -71,9 +71,7 @@ impl State {
         let ends = Ends { first, second, offset: self.touch(plan, i, j).offset };
         let bonded_offset = self.bonded_offset(plan, i, j);
         let bonded_length = bonded_offset.dot(bonded_offset).sqrt();
-        let joint = plan.joint(self.material[i], self.material[j])?;
-        let [bonded_first, bonded_second] = [i, j].map(|k| self.bonded_sphere(k));
-        let numbers = joint.bond_of_spheres(law.damping, &bonded_first, &bonded_second, bonded_length, pair.strength);
+        let numbers = self.bond_numbers(plan, [i, j], pair.strength)?;
         let reaction = match law.form {
             Form::Total => {
                 let [first_orientation, second_orientation] = [i, j].map(|k| quaternion(self.orientation[k]));

@@ -170,6 +170,7 @@ impl Surface {
             Part::Exchange(_) if of.temperature.is_some() => [temperature, 0.0],
             Part::Exchange(place) => {
                 let (exchange, around) = &of.exchanges[*place];
+                let exchange = heat.exchange(exchange, state.material[i], temperature);
                 let now = plan.heat_time(state.step);
                 let rate = exchange.heat_rate(temperature, &around.at(now, now));
                 [temperature + rate * exchange.resistance, rate]

@@ -1,9 +1,11 @@
 //! Heat as a plan describes it.
 
 use crate::plan::{Piece, pieces, value_at};
-use crate::{Fault, Motion, Plan, State};
+use crate::{Fault, Motion, Plan, State, Table};
 use tdem_physics::bond;
-use tdem_physics::heat::warming::grown;
+use tdem_physics::heat::conduction::tempered;
+use tdem_physics::heat::table::mean_temperature;
+use tdem_physics::heat::warming::{grown, taken_in, warmed};
 use tdem_physics::heat::{Conductor, Dissipation, Exchange, Link, Outside, Path};
 
 /// What a plan says of heat.
@@ -18,6 +20,8 @@ pub struct HeatPlan {
     pub materials: Vec<Thermal>,
     /// What conducts between each pair of materials, `(materials, materials)`, symmetric, row by row.
     pub conductors: Vec<Conductor<f64>>,
+    /// What of that depends on temperature.
+    pub tables: ThermalTables,
     /// How heat goes through contacts. A contact within a bond that holds conducts nothing.
     pub contacts: Path,
     /// How particles may exchange heat with their surroundings; the first entry is [`Exposure::default`], insulated.
@@ -34,10 +38,21 @@ pub struct HeatPlan {
     pub dissipation: Dissipation<f64>,
 }
 
+/// Properties of materials that depend on temperature. Each list is for all materials, or empty where none depends on it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ThermalTables {
+    /// $\lambda(T)$, W/(m K), `(materials)`. A pair conducts with both values at its mean temperature, a particle at a wall
+    /// at theirs, and what lies before the centre of a particle at a surface at that of the particle; then all
+    /// [`HeatPlan::conductors`] have a conductivity of 1, and all exchanges are those through material of that conductivity.
+    pub conductivity: Vec<Table>,
+    /// $c(T)$, J/(kg K), `(materials)`, in the place of [`Thermal::specific_heat`].
+    pub specific_heat: Vec<Table>,
+}
+
 /// What a material is to heat.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Thermal {
-    /// $c$, J/(kg K).
+    /// $c$, J/(kg K); not looked at where it depends on temperature.
     pub specific_heat: f64,
     /// $\alpha$, 1/K.
     pub expansion: f64,
@@ -160,6 +175,47 @@ impl HeatPlan {
     pub fn conductor(&self, first: u16, second: u16) -> &Conductor<f64> {
         &self.conductors[usize::from(first) * self.materials.len() + usize::from(second)]
     }
+    /// A conductance at the temperatures of both ends, K: as it is, or times the conductivities at their mean, W/K.
+    #[inline(always)]
+    pub(crate) fn tempered(&self, conductance: f64, materials: [u16; 2], temperatures: [f64; 2]) -> f64 {
+        if self.tables.conductivity.is_empty() {
+            return conductance;
+        }
+        let mean = mean_temperature(temperatures[0], temperatures[1]);
+        let [first, second] = materials.map(|material| self.tables.conductivity[usize::from(material)].value(mean));
+        tempered(conductance, first, second)
+    }
+    /// What a particle exchanges through a surface, at its temperature, K.
+    #[inline(always)]
+    pub(crate) fn exchange(&self, exchange: &Exchange<f64>, material: u16, temperature: f64) -> Exchange<f64> {
+        match self.tables.conductivity.get(usize::from(material)) {
+            None => *exchange,
+            Some(table) => exchange.tempered(table.value(temperature)),
+        }
+    }
+    /// $mc$ of a particle at its temperature, J/K.
+    #[must_use]
+    pub fn capacity(&self, material: u16, mass: f64, temperature: f64) -> f64 {
+        let material = usize::from(material);
+        let table = self.tables.specific_heat.get(material);
+        mass * table.map_or(self.materials[material].specific_heat, |table| table.value(temperature))
+    }
+    /// Heat of a particle at one temperature less that at another, K, in J.
+    #[must_use]
+    pub fn heat_between(&self, material: u16, mass: f64, from: f64, to: f64) -> f64 {
+        match self.tables.specific_heat.get(usize::from(material)) {
+            None => mass * self.materials[usize::from(material)].specific_heat * (to - from),
+            Some(table) => mass * table.heat_between(from, to),
+        }
+    }
+    /// The temperature of a particle after a step of the heat, s, K.
+    #[inline(always)]
+    pub(crate) fn warmed(&self, material: u16, mass: f64, temperature: f64, heat_rate: f64, step: f64) -> f64 {
+        match self.tables.specific_heat.get(usize::from(material)) {
+            None => warmed(temperature, heat_rate, mass * self.materials[usize::from(material)].specific_heat, step),
+            Some(table) => table.warmed(temperature, taken_in(heat_rate, mass, step)),
+        }
+    }
     /// Whether heat goes along with the motion; not where the motion has its turn, and temperatures stay as they are.
     pub(crate) fn flows(&self) -> bool {
         self.time_scale > 0.0
@@ -212,6 +268,8 @@ impl HeatPlan {
             && self.materials.len() == plan.materials
             && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
             && self.conductors.len() == plan.materials * plan.materials
+            && self.tables.are_sound(plan.materials)
+            && (self.tables.conductivity.is_empty() || self.conductors.iter().all(|c| c.conductivity == 1.0))
             && self.conductors.iter().all(|c| not_negative(c.conductivity) && not_negative(c.section))
             && exchanges().all(|(Exchange { flux_area, conductance, radiation, resistance }, around)| {
                 [flux_area, conductance, radiation, resistance].iter().all(|&&number| not_negative(number))
@@ -225,6 +283,22 @@ impl HeatPlan {
             && (self.sides.is_empty() || self.sides.len() == self.exposures.len())
             && self.walls.len() == plan.walls.len()
             && courses.chain(self.walls.iter().flatten()).all(Course::is_sound)
+    }
+}
+
+impl ThermalTables {
+    /// Whether nothing depends on temperature.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.conductivity.is_empty() && self.specific_heat.is_empty()
+    }
+    /// Whether each list is for all materials or for none, and no value is out of range.
+    fn are_sound(&self, materials: usize) -> bool {
+        let all = |tables: &[Table]| tables.is_empty() || tables.len() == materials;
+        all(&self.conductivity)
+            && all(&self.specific_heat)
+            && self.conductivity.iter().all(|table| table.is_sound(|value| value >= 0.0))
+            && self.specific_heat.iter().all(|table| table.is_sound(|value| value > 0.0))
     }
 }
 
@@ -250,9 +324,13 @@ impl Plan {
     pub fn expands(&self) -> bool {
         self.heat.as_ref().is_some_and(HeatPlan::expands)
     }
-    /// Whether the ledger follows the work that expansion does on springs.
+    /// Whether stiffnesses of bonds depend on temperature.
+    pub(crate) fn softens(&self) -> bool {
+        self.bonds.as_ref().is_some_and(|bonds| !bonds.tables.stiffness.is_empty())
+    }
+    /// Whether the ledger follows the work that expansion and softening do on springs.
     pub(crate) fn books_expansion(&self) -> bool {
-        self.ledger && self.expands()
+        self.ledger && (self.expands() || self.heat.is_some() && self.softens())
     }
     /// Whether friction or dashpots make heat.
     pub(crate) fn makes_heat(&self) -> bool {

@@ -34,7 +34,7 @@ pub struct Ledger {
     pub stiffening_work: f64,
     /// Work of walls, prescribed motion and applied forces since the start, J.
     pub external_work: f64,
-    /// Work that expansion did on springs since the start, J.
+    /// Work that expansion did on springs since the start, and temperature where it changed their stiffness, J.
     pub expansion_work: f64,
     /// What the ledger does not explain: present + dissipated - work - initial, J; 0 without ledger.
     pub energy_error: f64,

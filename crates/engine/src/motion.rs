@@ -11,8 +11,7 @@ pub enum Motion {
     /// They move: in every step of the motion heat goes on by [`HeatPlan::time_scale`] times as long.
     #[default]
     Stepped,
-    /// They stay where they are, as large as they are, and only heat goes on; nothing may expand. The processor computes
-    /// it, whatever the device.
+    /// They stay where they are, as large as they are, and only heat goes on; nothing may expand.
     Frozen(Scheme),
     /// After every step of the heat they move until they are at rest again.
     QuasiStatic(Relaxation),

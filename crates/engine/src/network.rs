@@ -4,11 +4,15 @@
 //! contacts with higher ids, with lower ids; then the sum of its bonds from zero, in the same order; then what is foreign,
 //! from zero: walls, by their indices, and its surface.
 
+mod field;
 mod implicit;
+mod processor;
 mod rows;
 mod surroundings;
 
-pub(crate) use implicit::Stuck;
+pub(crate) use field::{Field, Stuck, is_temperature};
+pub(crate) use implicit::{MOST_ITERATIONS, TOLERANCE};
+pub(crate) use processor::{Processor, Tempered};
 pub(crate) use surroundings::{Span, Surroundings};
 
 use crate::{HeatPlan, Plan, State};
@@ -20,13 +24,15 @@ use tdem_physics::heat::conduction::{at_wall, between_spheres};
 use tdem_physics::heat::warming::longest_step;
 
 /// Particles per partial sum and per task. Fixed, so that sums have the same bits for any number of threads.
-const CHUNK: usize = 1024;
+pub(crate) const CHUNK: usize = 1024;
 
 /// What conducts heat in a state. `N` is the number of particles.
 #[derive(Default)]
 pub(crate) struct Network {
-    /// $mc$, J/K, `(N)`.
+    /// $mc$ at the temperatures at which conductances are, J/K, `(N)`.
     pub(crate) capacity: Vec<f64>,
+    /// Of particles, `(N)`, where conductivities depend on temperature; else empty.
+    material: Vec<u16>,
     contacts: Rows,
     bonds: Rows,
     walls: Rows,
@@ -91,12 +97,43 @@ impl Network {
             let conductor = heat.conductor(state.material[i], described.material);
             (touch.overlap > 0.0).then(|| (i as u32, contact.wall, at_wall(heat.contacts, conductor, radius, &touch)))
         });
-        let specific_heat = |i: usize| heat.materials[usize::from(state.material[i])].specific_heat;
-        Network {
-            capacity: (0..n).map(|i| state.mass[i] * specific_heat(i)).collect(),
+        let mut network = Network {
+            material: if heat.tables.conductivity.is_empty() { Vec::new() } else { state.material.clone() },
+            // Where it depends on temperature, it will follow.
+            capacity: (0..n)
+                .map(|i| heat.capacity(state.material[i], state.mass[i], heat.reference_temperature))
+                .collect(),
             walls: Rows::of_walls(n, &at_walls.collect::<Vec<_>>()),
             contacts: Rows::of_pairs(n, &contacts),
             bonds: Rows::of_pairs(n, &bonds),
+        };
+        if !heat.tables.conductivity.is_empty() {
+            let Network { contacts, bonds, walls, .. } = &mut network;
+            [contacts, bonds, walls].into_iter().for_each(Rows::depend_on_temperature);
+        }
+        network
+    }
+
+    /// Lets conductances and capacities follow temperatures, those of walls as they are now.
+    pub(crate) fn temper(&mut self, temperature: &[f64], by: &Tempered, heat: &HeatPlan, around: &Surroundings) {
+        let Tempered { material, mass, wall_material } = by;
+        if !heat.tables.conductivity.is_empty() {
+            for rows in [&mut self.contacts, &mut self.bonds] {
+                rows.temper(|i, j, unit| {
+                    heat.tempered(unit, [material[i], material[j]], [temperature[i], temperature[j]])
+                });
+            }
+            self.walls.temper(|i, wall, unit| {
+                let materials = [material[i], wall_material[wall]];
+                heat.tempered(unit, materials, [temperature[i], around.walls[wall]])
+            });
+        }
+        if !heat.tables.specific_heat.is_empty() {
+            self.capacity = (0..temperature.len())
+                .into_par_iter()
+                .with_min_len(CHUNK)
+                .map(|i| heat.capacity(material[i], mass[i], temperature[i]))
+                .collect();
         }
     }
 
@@ -111,7 +148,10 @@ impl Network {
         let exposure = usize::from(exposure);
         let from_walls = self.walls.flow(particle, temperature, &around.walls);
         let exchanges = heat.exposures[exposure].exchanges.iter().zip(&around.outside[exposure]);
-        exchanges.fold(from_walls, |sum, ((exchange, _), outside)| sum + exchange.heat_rate(temperature, outside))
+        let material = self.material.get(particle).copied().unwrap_or(0);
+        exchanges.fold(from_walls, |sum, ((exchange, _), outside)| {
+            sum + heat.exchange(exchange, material, temperature).heat_rate(temperature, outside)
+        })
     }
     /// How much less comes in from walls and through the surface per kelvin of a particle, W/K.
     fn sensitivity(
@@ -124,8 +164,9 @@ impl Network {
     ) -> f64 {
         let exposure = usize::from(exposure);
         let exchanges = heat.exposures[exposure].exchanges.iter().zip(&around.outside[exposure]);
+        let material = self.material.get(particle).copied().unwrap_or(0);
         exchanges.fold(self.walls.sum(particle), |sum, ((exchange, _), outside)| {
-            sum + exchange.sensitivity(temperature, outside)
+            sum + heat.exchange(exchange, material, temperature).sensitivity(temperature, outside)
         })
     }
 
@@ -161,7 +202,22 @@ impl Network {
         (0..temperature.len()).into_par_iter().with_min_len(CHUNK).map(of_particle).reduce(|| f64::INFINITY, f64::min)
     }
 
+    /// All that conducts to a particle: others and conductances of contacts, of bonds, walls and conductances; W/K.
+    pub(crate) fn row(&self, particle: usize) -> impl Iterator<Item = (usize, f64)> {
+        self.contacts.row(particle).chain(self.bonds.row(particle)).chain(self.walls.row(particle))
+    }
+    /// Where contacts, bonds and walls end in [`Network::row`].
+    pub(crate) fn row_ends(&self, particle: usize) -> [usize; 3] {
+        let contacts = self.contacts.count(particle);
+        let bonds = contacts + self.bonds.count(particle);
+        [contacts, bonds, bonds + self.walls.count(particle)]
+    }
+
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.capacity[..]) + self.contacts.bytes() + self.bonds.bytes() + self.walls.bytes()
+        size_of_val(&self.capacity[..])
+            + size_of_val(&self.material[..])
+            + self.contacts.bytes()
+            + self.bonds.bytes()
+            + self.walls.bytes()
     }
 }

@@ -169,25 +169,28 @@ impl Ramp {
 
 /// The value at a time of points of time and value: straight between them, constant outside.
 pub(crate) fn value_at(points: &[[f64; 2]], time: f64) -> f64 {
-    pieces(points).find(|piece| piece.holds(time)).map_or(f64::NAN, |piece| piece.value(time))
+    piece(points, points.partition_point(|point| point[0] <= time)).value(time)
 }
 
 /// The straight pieces between points, those before the first and behind the last included: they cover all times.
 pub(crate) fn pieces(points: &[[f64; 2]]) -> impl Iterator<Item = Piece> {
-    let level = |point: &[f64; 2], from, until| {
-        let &[time, value] = point;
-        Piece { from, until, start: [time, value], end: [time + 1.0, value] }
-    };
-    let before = points.first().map(|first| level(first, f64::NEG_INFINITY, first[0]));
-    let behind = points.last().map(|last| level(last, last[0], f64::INFINITY));
-    let between = points.windows(2).map(|pair| {
-        let (start, end) = (pair[0], pair[1]);
-        Piece { from: start[0], until: end[0], start, end }
-    });
-    before.into_iter().chain(between).chain(behind)
+    let count = if points.is_empty() { 0 } else { points.len() + 1 };
+    (0..count).map(|k| piece(points, k))
 }
 
-/// A straight piece of a ramp or course, which holds at times from one, included, until another, not included.
+/// The piece behind so many points; before the first and behind the last it is level.
+pub(crate) fn piece(points: &[[f64; 2]], behind: usize) -> Piece {
+    let level =
+        |from, until, [time, value]: [f64; 2]| Piece { from, until, start: [time, value], end: [time + 1.0, value] };
+    match (behind.checked_sub(1).map(|k| points[k]), points.get(behind)) {
+        (Some(start), Some(&end)) => Piece { from: start[0], until: end[0], start, end },
+        (None, Some(&first)) => level(f64::NEG_INFINITY, first[0], first),
+        (Some(last), None) => level(last[0], f64::INFINITY, last),
+        (None, None) => level(f64::NEG_INFINITY, f64::INFINITY, [0.0, f64::NAN]),
+    }
+}
+
+/// A straight piece of a ramp, course or table, which holds at times from one, included, until another, not included.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     pub(crate) from: f64,
@@ -198,9 +201,6 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    fn holds(&self, time: f64) -> bool {
-        self.from <= time && time < self.until
-    }
     fn value(&self, time: f64) -> f64 {
         line(self.start, self.end, time)
     }

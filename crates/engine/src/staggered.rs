@@ -1,20 +1,18 @@
 //! Heat that advances by itself: a back end whose step is one of the heat, alone or in turns with the motion.
 //!
-//! The network of what conducts lies on the processor, in the order of ids, whatever the device; where particles move,
-//! they do so on a back end of the device, which is opened from the state for every turn.
+//! What conducts is found on the processor, in the order of ids; temperatures lie on the device, and heat flows there.
+//! Where particles move, they do so on a back end of the device, which is opened from the state for every turn.
 
 mod relaxation;
 
-use crate::cpu::{self, CHUNK, optional};
-use crate::heat::book;
-use crate::network::{Network, Rates, Span, Stuck, Surroundings};
+pub(crate) use relaxation::without_heat;
+
+use crate::network::{Field, Network, Processor, Span, Stuck, Surroundings};
 use crate::step::Backend;
-use crate::{Capture, Device, Fault, HeatPlan, Motion, Plan, Profile, Scheme, State};
-use rayon::prelude::*;
+use crate::{Capture, Device, Fault, HeatPlan, Motion, Plan, Profile, Scheme, State, cpu, gpu};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Arc;
 use std::time::Instant;
-use tdem_physics::heat::warming::warmed;
 
 /// What heat and motion took so far, since a simulation was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,11 +34,11 @@ pub(crate) struct Staggered {
     device: Device,
     plan: Arc<Plan>,
     pool: Arc<ThreadPool>,
-    /// Of the end of the last step; heat rates stand in `rates`.
+    /// Of the end of the last step, without what `field` holds; where particles move, with the temperatures they move under.
     state: State,
-    network: Network,
-    /// With which the step that follows begins; in the implicit scheme those of the present moment.
-    rates: Rates,
+    /// Temperatures and heat accounts, and heat rates: those with which the step that follows begins; in the implicit scheme
+    /// those of the present moment.
+    field: Box<dyn Field>,
     /// Parts of the explicit step that follows.
     parts: u64,
     turns: Turns,
@@ -60,57 +58,69 @@ impl Staggered {
         };
         let threads = options.threads.unwrap_or(0);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|_| Fault::Threads { threads })?;
-        let relaxes = plan.heat.as_ref().is_some_and(|heat| matches!(heat.motion, Motion::QuasiStatic(_)));
-        let device = if relaxes { device } else { Device::Cpu(options) };
+        let pool = Arc::new(pool);
         let fresh = !state.forces_known;
-        let mut motion = device.open(state, &relaxation::without_heat(plan))?;
+        let mut motion = device.open(state, &without_heat(plan))?;
         if fresh {
             motion.prepare()?;
+        }
+        let (mut state, searches) = (relaxation::at_rest(motion.capture()?.state()?), motion.searches());
+        // The device may have no room for both.
+        drop(motion);
+        let mut field = open_field(device, &state, plan, &pool)?;
+        field.take_up(&state.temperature, std::mem::take(&mut state.heat_accounts))?;
+        if matches!(plan.heat.as_ref().map(|heat| heat.motion), Some(Motion::Frozen(_))) {
+            state.temperature = Vec::new();
         }
         let mut staggered = Staggered {
             device,
             plan: Arc::new(plan.clone()),
-            pool: Arc::new(pool),
-            state: relaxation::at_rest(motion.capture()?.state()?),
-            network: Network::default(),
-            rates: Rates::default(),
+            pool,
+            state,
+            field,
             parts: 1,
             turns: Turns::default(),
-            searches: motion.searches(),
+            searches,
             shrunk: 0.0,
             motion_bytes: 0,
         };
-        staggered.link();
+        staggered.link()?;
         Ok(staggered)
     }
 
     /// Finds what conducts in the present state, and its heat rates.
-    fn link(&mut self) {
+    fn link(&mut self) -> Result<(), Fault> {
         let pool = Arc::clone(&self.pool);
         pool.install(|| {
             if let Some(heat) = &self.plan.heat {
-                self.network = Network::of(&self.state, &self.plan, heat);
+                self.field.link(Network::of(&self.state, &self.plan, heat))?;
             }
-            self.rate();
-        });
+            self.rate()
+        })
     }
 
     /// Finds the heat rates that belong to the present moment: in the explicit scheme those with which the step that follows
     /// begins, and the number of its parts.
-    fn rate(&mut self) {
-        let Some((heat, scheme)) = advancing(&self.plan) else { return };
-        let (temperature, exposure) = (&self.state.temperature, &self.state.exposure);
+    fn rate(&mut self) -> Result<(), Fault> {
+        let plan = Arc::clone(&self.plan);
+        let Some((heat, scheme)) = advancing(&plan) else { return Ok(()) };
+        let now = Span { from: self.span().from, until: self.span().from };
+        if !heat.tables.is_empty() {
+            self.field.surround(Surroundings::during(now, scheme, heat))?;
+            self.field.temper()?;
+        }
         let span = match scheme {
             Scheme::Explicit => {
                 let span = self.span();
-                let around = Surroundings::during(span, scheme, heat);
-                let longest = self.network.longest_step(temperature, exposure, heat, &around);
+                self.field.surround(Surroundings::during(span, scheme, heat))?;
+                let longest = self.field.longest_step()?;
                 self.parts = ((span.until - span.from) / longest).ceil().max(1.0) as u64;
                 span.part(0, self.parts)
             }
-            Scheme::Implicit => Span { from: self.span().from, until: self.span().from },
+            Scheme::Implicit => now,
         };
-        self.rates = self.network.rates(temperature, exposure, heat, &Surroundings::during(span, scheme, heat));
+        self.field.surround(Surroundings::during(span, scheme, heat))?;
+        self.field.rate()
     }
 
     /// The time of the step that follows.
@@ -125,65 +135,27 @@ impl Staggered {
         let (span, parts) = (self.span(), self.parts);
         match scheme {
             Scheme::Explicit => {
+                let step = if parts == 1 { plan.heat_step() } else { plan.heat_step() / parts as f64 };
                 for part in 0..parts {
-                    let around = Surroundings::during(span.part(part, parts), scheme, heat);
                     if part > 0 {
-                        let (temperature, exposure) = (&self.state.temperature, &self.state.exposure);
-                        self.rates = self.network.rates(temperature, exposure, heat, &around);
+                        self.field.surround(Surroundings::during(span.part(part, parts), scheme, heat))?;
+                        self.field.temper()?;
+                        self.field.rate()?;
                     }
-                    let step = if parts == 1 { plan.heat_step() } else { plan.heat_step() / parts as f64 };
-                    self.warm(&around.prescribed, step)?;
-                    self.turns.passes += 1;
+                    self.field.warm(step)?;
                 }
+                self.turns.passes += parts;
             }
             Scheme::Implicit => {
-                let (around, step) = (Surroundings::during(span, scheme, heat), plan.heat_step());
-                let (temperature, exposure) = (&self.state.temperature, &self.state.exposure);
-                let solved = self.network.implicit(temperature, exposure, heat, &around, step);
-                let (rates, iterations) = solved.map_err(|stuck| self.stuck(&stuck))?;
-                self.rates = rates;
+                self.field.surround(Surroundings::during(span, scheme, heat))?;
+                let iterations = self.field.solve(plan.heat_step())?.map_err(|stuck| self.stuck(&stuck))?;
                 self.turns.passes += iterations;
-                self.warm(&around.prescribed, step)?;
+                self.field.warm(plan.heat_step())?;
             }
         }
-        Ok(())
-    }
-
-    /// Lets temperatures follow the heat rates over some time, s, and books what came in and out meanwhile.
-    fn warm(&mut self, prescribed: &[Option<f64>], step: f64) -> Result<(), Fault> {
-        let (state, capacity, rates) = (&mut self.state, &self.network.capacity, &self.rates);
-        let exposure = &state.exposure;
-        let wrong = state
-            .temperature
-            .par_chunks_mut(CHUNK)
-            .zip(optional(&mut state.heat_accounts))
-            .enumerate()
-            .filter_map(|(chunk, (temperature, accounts))| {
-                let mut wrong = None;
-                for k in 0..temperature.len() {
-                    let i = chunk * CHUNK + k;
-                    let free = warmed(temperature[k], rates.total[i], capacity[i], step);
-                    let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
-                    if let Some(account) = accounts.get_mut(k) {
-                        book(account, rates.foreign[i] * step);
-                        book(account, capacity[i] * (now - free));
-                    }
-                    temperature[k] = now;
-                    if !(now > 0.0 && now.is_finite()) {
-                        wrong = wrong.or(Some(i));
-                    }
-                }
-                wrong
-            })
-            .min();
-        let Some(index) = wrong else { return Ok(()) };
+        let Some((index, temperature)) = self.field.astray()? else { return Ok(()) };
         let step = self.state.step + 1;
-        Err(Fault::Temperature {
-            step,
-            time: self.plan.time(step),
-            particle: self.state.id[index],
-            temperature: self.state.temperature[index],
-        })
+        Err(Fault::Temperature { step, time: plan.time(step), particle: self.state.id[index], temperature })
     }
 
     fn stuck(&self, stuck: &Stuck) -> Fault {
@@ -196,16 +168,25 @@ impl Staggered {
         let pool = Arc::clone(&self.pool);
         pool.install(|| {
             let before = self.elastic_energy();
-            self.heat().map(|()| self.expand(before))
+            self.heat()?;
+            self.expand(before)
         })?;
         if self.relax()? {
             self.state.step += 1;
-            self.link();
+            self.link()
         } else {
             self.state.step += 1;
-            pool.install(|| self.rate());
+            pool.install(|| self.rate())
         }
-        Ok(())
+    }
+}
+
+/// Where the temperatures of a run lie: with its device, but on the processor where properties depend on temperature.
+fn open_field(device: Device, state: &State, plan: &Plan, pool: &Arc<ThreadPool>) -> Result<Box<dyn Field>, Fault> {
+    let heat = plan.heat.as_ref().ok_or(Fault::Inconsistent { what: "heat that advances by itself is in the plan" })?;
+    match device {
+        Device::Gpu { api, index } if heat.tables.is_empty() => gpu::open_field(api, index, state, plan, heat),
+        Device::Cpu(_) | Device::Gpu { .. } => Ok(Box::new(Processor::new(pool, plan, heat, state))),
     }
 }
 
@@ -224,10 +205,12 @@ impl Backend for Staggered {
         Ok(())
     }
     fn capture(&mut self) -> Result<Capture, Fault> {
-        Ok(State { heat_rate: self.rates.total.clone(), ..self.state.clone() }.into())
+        let mut state = self.state.clone();
+        self.field.put(&mut state)?;
+        Ok(state.into())
     }
     fn bytes(&self) -> usize {
-        self.state.bytes() + self.network.bytes() + self.rates.bytes() + self.motion_bytes
+        self.state.bytes() + self.field.bytes() + self.motion_bytes
     }
     fn profile(&mut self, steps: u64) -> Result<Profile, Fault> {
         let (start, searches) = (Instant::now(), self.searches);
@@ -236,7 +219,7 @@ impl Backend for Staggered {
         Ok(Profile { steps, searches: self.searches - searches, seconds, ..Profile::empty() })
     }
     fn copy_bandwidth(&self) -> Result<f64, Fault> {
-        cpu::copy_bandwidth(&self.pool)
+        self.field.copy_bandwidth()
     }
     fn searches(&self) -> u64 {
         self.searches

@@ -6,17 +6,18 @@ mod common;
 
 use common::bonded::{CEMENT, ELASTIC, JOINT, bond_neighbours, cracking_block, free_space, lattice};
 use common::heated::{
-    EXPANSION, REFERENCE, heat_of, heated, heated_block, in_turns, keep_books, warm_block, warm_cloud,
+    EXPANSION, NONE, REFERENCE, constant, frozen, heat_of, heated, heated_block, held_chain, in_turns, keep_books,
+    still_lattice, temper, warm_block, warm_cloud,
 };
 use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
 use tdem_engine::physics::bond::{self, Cement, Form, Joint, Tension};
 use tdem_engine::physics::contact::{Damping, Friction, Law};
-use tdem_engine::physics::heat::{Conductor, Path};
+use tdem_engine::physics::heat::{Conductor, Exchange, Path};
 use tdem_engine::{
-    BondPlan, Constraint, Course, Device, Driven, Exposure, Fault, Integrator, Motion, Plan, Ramp, Relaxation, Scheme,
-    Simulation, State,
+    Around, BondPlan, Constraint, Course, Device, Driven, Exposure, Fault, Integrator, Motion, Plan, Ramp, Relaxation,
+    Scheme, Simulation, State, Turns,
 };
 
 const STEPS: u64 = 600;
@@ -270,6 +271,36 @@ fn same_bits_with_heat_while_every_step_searches() {
     }
 }
 
+/// Conductivity, specific heat, stiffness and strength by tables, in every scheme of bonds.
+#[test]
+fn same_bits_where_materials_depend_on_temperature() {
+    let dashpots = bond::Law { damping: bond::Damping::Viscous, ..ELASTIC };
+    let (verlet, gear) = (Integrator::VelocityVerlet, Integrator::Gear);
+    for (law, integrator, ledger, every_step, path) in [
+        (ELASTIC, verlet, false, false, Path::Bar),
+        (dashpots, verlet, true, false, Path::Circle),
+        (dashpots, gear, true, true, Path::Bar),
+        (STORED, verlet, false, false, Path::Circle),
+    ] {
+        let (mut state, mut plan) = warm_block(law, integrator, 0.0);
+        temper(&mut plan);
+        plan.ledger = ledger;
+        heat_of(&mut plan).contacts = path;
+        if every_step {
+            (plan.search.every_step, plan.search.skin) = (true, 0.0);
+        }
+        // From one piece of the tables to others, also down, also over several.
+        state.exposure.iter_mut().skip(1).step_by(3).for_each(|exposure| *exposure = 3);
+        let what = format!("tables, {law:?} {integrator:?} ledger {ledger} every step {every_step} {path:?}");
+        let end = both(&state, &plan, 300, &what);
+        assert!(broken(&end) > 10 && broken(&end) < end.bonds.len(), "{} bonds broke", broken(&end));
+    }
+    let (state, mut plan) = warm_cloud();
+    temper(&mut plan);
+    plan.ledger = true;
+    both(&state, &plan, 200, "tables, a cloud");
+}
+
 /// A lattice of one size: what bonds are to heat is the same for all, or for each pair of materials.
 #[test]
 fn same_bits_with_heat_through_bonds_that_are_alike() {
@@ -361,6 +392,85 @@ fn same_bits_where_heated_bodies_crack_between_steps_of_the_heat() {
     assert_same(&run(&half, &plan, cpu(), 3).expect("it goes on"), &end, "cracks, begun on the device");
 }
 
+/// State and count of passes behind some steps of heat alone.
+fn alone(state: &State, plan: &Plan, device: Device, steps: u64) -> Result<(State, Turns), Fault> {
+    let mut simulation = Simulation::new(state.clone(), plan.clone(), device)?;
+    simulation.advance(steps)?;
+    Ok((simulation.state()?, simulation.turns().expect("heat advances by itself")))
+}
+
+/// Contacts, bonds, a wall, flux, convection, radiation, prescribed temperatures; chunks of particles of which one is not full.
+#[test]
+fn same_bits_where_heat_goes_on_alone() {
+    let (state, plan) = still_lattice();
+    assert!(state.len() > 2 * 1024 && !state.len().is_multiple_of(1024), "{} particles", state.len());
+    for (scheme, step, ledger) in [
+        (Scheme::Explicit, 0.1, true),
+        (Scheme::Explicit, 30.0, true),
+        (Scheme::Implicit, 3.0, true),
+        (Scheme::Implicit, 500.0, false),
+    ] {
+        let plan = Plan { ledger, ..frozen(&plan, scheme, step) };
+        let what = format!("{scheme:?}, {step} s");
+        for steps in [0, 1, 7] {
+            let [(expected, passes), (found, passes_on_device)] =
+                [cpu(), gpu()].map(|device| alone(&state, &plan, device, steps).expect("the scene runs through"));
+            assert!(expected.contacts.len() > 1000 && expected.wall_contacts.len() > 100 && state.bonds.len() > 8000);
+            assert_same(&found, &expected, &what);
+            assert_eq!(passes_on_device, passes, "{what}");
+            if step > 1.0 {
+                assert!(passes.passes >= 4 * steps, "{what}: {passes:?}");
+            }
+            let came: f64 = expected.heat_accounts.iter().map(|account| account[0]).sum();
+            assert!(!ledger || steps == 0 || came > 0.0, "{what}: {came}");
+        }
+        let half = alone(&state, &plan, gpu(), 3).expect("the scene runs through").0;
+        let moved = alone(&half, &plan, cpu(), 4).expect("it goes on").0;
+        assert_same(&moved, &alone(&state, &plan, gpu(), 7).expect("the scene runs through").0, &what);
+    }
+}
+
+#[test]
+fn faults_of_heat_alone_are_those_of_the_cpu() {
+    let (mut state, mut plan) = still_lattice();
+    let faults = |state: &State, plan: &Plan| {
+        let found = [cpu(), gpu()].map(|device| alone(state, plan, device, 40).expect_err("the scene is at fault"));
+        // What is not a number does not equal itself.
+        assert_eq!(format!("{:?}", found[1]), format!("{:?}", found[0]));
+        found[0].clone()
+    };
+    // What takes heat away takes more than there is, in a later part of a later step.
+    let drain = Exchange { flux_area: 1e-3, ..NONE };
+    let course = Course(vec![[0.0, 0.0], [50.0, -3e4]]);
+    heat_of(&mut plan).exposures.push(Exposure { temperature: None, exchanges: vec![(drain, Around::flux(course))] });
+    state.exposure[1234..1300].fill(4);
+    for (scheme, step) in [(Scheme::Explicit, 20.0), (Scheme::Implicit, 3.0)] {
+        let fault = faults(&state, &frozen(&plan, scheme, step));
+        assert!(matches!(fault, Fault::Temperature { particle: 1234..1300, step: 2.., .. }), "{fault:?}");
+    }
+    // Heat beyond all numbers: there is no solution.
+    for flux in [1e160, 1e308] {
+        let (mut state, mut plan, _) = held_chain(5);
+        let flood = Exchange { flux_area: 10.0, ..NONE };
+        heat_of(&mut plan)
+            .exposures
+            .push(Exposure { temperature: None, exchanges: vec![(flood, Around::flux(constant(flux)))] });
+        state.exposure[2] = 1;
+        let fault = faults(&state, &frozen(&plan, Scheme::Implicit, 1.0));
+        assert!(matches!(fault, Fault::Conduction { .. }), "{fault:?}");
+    }
+}
+
+/// Without particles nothing is launched.
+#[test]
+fn heat_alone_in_nothing_is_nothing() {
+    let (_, plan, _) = held_chain(1);
+    for scheme in [Scheme::Explicit, Scheme::Implicit] {
+        let (end, _) = alone(&State::default(), &frozen(&plan, scheme, 1.0), gpu(), 3).expect("nothing goes wrong");
+        assert_eq!((end.step, end.len()), (3, 0));
+    }
+}
+
 #[test]
 fn heat_takes_the_memory_that_is_foretold() {
     let (warm, warm_plan) = warm_cloud();
@@ -384,6 +494,31 @@ fn heat_takes_the_memory_that_is_foretold() {
     assert!((n * each..n * each + 1024).contains(&of_heat), "{of_heat} of {n}");
     let foretold = |plan: &Plan| tdem_engine::gpu::bytes(plan, n, 0, 0);
     assert_eq!(foretold(&warm_plan) - foretold(&cold_plan), n * each);
+}
+
+#[test]
+fn heat_alone_takes_the_memory_that_is_foretold() {
+    let (state, plan) = still_lattice();
+    let n = state.len();
+    for (scheme, ledger) in [(Scheme::Explicit, false), (Scheme::Implicit, true)] {
+        let plan = Plan { ledger, ..frozen(&plan, scheme, 1.0) };
+        assert!(tdem_engine::gpu::source(&state, &plan).contains("\nDEVICE void implicit_balance("));
+        let mut simulation = Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound");
+        let end = simulation.state().expect("the device answers");
+        let (accounts, booked) = if ledger { (4 * 8 * n, 2 * 8 * n) } else { (0, 0) };
+        let entries = 2 * (end.contacts.len() + end.bonds.len()) + end.wall_contacts.len();
+        // The same run on the processor: temperature, two rates, capacity, exposure, accounts, rows of three kinds.
+        let on_host = n * (4 * 8 + 2) + accounts + 3 * 8 * (n + 1) + entries * 12;
+        let host = Simulation::new(state.clone(), plan.clone(), cpu()).expect("the scene is sound").bytes() - on_host;
+        // The host keeps the accounts that it was given.
+        let held = simulation.bytes() - host - accounts;
+        // Temperature, two rates, capacity, exposure, three ends of rows; two accounts; seven vectors of a system.
+        let system = if scheme == Scheme::Implicit { 7 * 8 * n } else { 0 };
+        let least = n * (4 * 8 + 4 * 4) + booked + system + entries * 12;
+        // Rows side by side are as long as the longest.
+        assert!(held > least && (held as f64) < 1.25 * least as f64, "{held}, not {least}");
+        assert!(tdem_engine::gpu::bytes(&plan, n, 7 * n, 0) >= least);
+    }
 }
 
 /// Spheres at rest, too far apart to be listed, of which some grow to more than twice their size.

@@ -5,15 +5,17 @@ mod common;
 use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, bond_neighbours, free_space, lattice};
 use common::heated::{
     EXPANSION, REFERENCE, SPECIFIC_HEAT, after, constant, frozen, heat_of, heated, heated_block, held_chain,
-    keep_books, warm_block, warm_cloud,
+    keep_books, temper, warm_block, warm_cloud,
 };
 use common::{DENSITY, spheres};
 use tdem_engine::cpu::{List, Options, Width};
+use tdem_engine::physics::bond;
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::surface::surface_conductance;
 use tdem_engine::physics::heat::{Exchange, Path};
 use tdem_engine::{
-    Around, Constraint, Course, Exposure, Fault, Integrator, Plan, Scheme, Simulation, State, heat_accounts,
+    Around, BondTables, Constraint, Course, Exposure, Fault, Integrator, Ledger, Plan, Scheme, Simulation, State,
+    Table, heat_accounts,
 };
 
 /// Heat in all particles, with what is under way into the next step, J.
@@ -177,11 +179,21 @@ fn all_options() -> Vec<Options> {
 
 #[test]
 fn bits_do_not_depend_on_how_heat_is_computed() {
-    let block = warm_block(ELASTIC, Integrator::VelocityVerlet, EXPANSION);
-    for (name, steps, (state, mut plan)) in [("cloud", 400, warm_cloud()), ("block", 400, block)] {
+    let block = || warm_block(ELASTIC, Integrator::VelocityVerlet, EXPANSION);
+    let tempered = |(state, mut plan): (State, Plan)| {
+        temper(&mut plan);
+        (state, plan)
+    };
+    let scenes = [
+        ("cloud", 400, warm_cloud()),
+        ("block", 400, block()),
+        ("cloud with tables", 200, tempered(warm_cloud())),
+        ("block with tables", 400, tempered(block())),
+    ];
+    for (name, steps, (state, mut plan)) in scenes {
         keep_books(&mut plan, true);
         let expected = after(&state, &plan, Options::default(), steps);
-        if name == "block" {
+        if name.starts_with("block") {
             let broken = expected.bonds.iter().filter(|bond| !bond.holds()).count();
             assert!(broken > 0 && broken < expected.bonds.len(), "{broken} broke");
         }
@@ -218,6 +230,154 @@ fn heat_is_kept() {
     let spread = end.temperature.iter().zip(&state.temperature).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let balance = stored(&end, &plan) / stored(&after(&state, &plan, Options::default(), 0), &plan) - 1.0;
     assert!(spread > 1.0 && balance.abs() < 1e-13, "{spread} {balance}");
+}
+
+#[test]
+fn heat_is_kept_where_specific_heats_depend_on_temperature() {
+    for (mut state, mut plan) in [warm_cloud(), warm_block(ELASTIC, Integrator::VelocityVerlet, EXPANSION)] {
+        temper(&mut plan);
+        plan.ledger = true;
+        state.initial_heat = 0.0;
+        let ledger = |state: &State| Ledger::of(state, &plan).heat.expect("there is heat");
+        let begin = ledger(&after(&state, &plan, Options::default(), 0));
+        let end = ledger(&after(&state, &plan, Options::default(), 1000));
+        let unexplained = (end.stored - end.came_in + end.went_out) - (begin.stored - begin.came_in + begin.went_out);
+        assert!(end.came_in > 1e-3 * begin.stored.abs(), "{end:?}");
+        assert!(unexplained.abs() < 1e-11 * end.stored.abs(), "{unexplained} of {}", end.stored);
+    }
+}
+
+#[test]
+fn a_chain_whose_conductivity_is_straight_has_the_temperatures_of_kirchhoff() {
+    let (mut state, mut plan, _) = held_chain(8);
+    let held = |value| Exposure { temperature: Some(constant(value)), exchanges: Vec::new() };
+    let heat = heat_of(&mut plan);
+    heat.exposures.extend([held(900.0), held(300.0)]);
+    heat.conductors[0].conductivity = 1.0;
+    let table = Table(vec![[250.0, 2.0], [1000.0, 0.5]]);
+    heat.tables.conductivity = vec![table.clone()];
+    (state.exposure[0], state.exposure[7]) = (1, 2);
+    state.temperature[0] = 900.0;
+    let end = after(&state, &plan, Options::default(), 60_000);
+    let whole = table.heat_between(300.0, 900.0);
+    for j in 0..8 {
+        let flux = table.heat_between(end.temperature[j], 900.0) / whole;
+        assert!((flux - j as f64 / 7.0).abs() < 1e-9, "{j}: {} {flux}", end.temperature[j]);
+    }
+    assert!((end.temperature[4] - (900.0 - 600.0 * 4.0 / 7.0)).abs() > 20.0);
+}
+
+#[test]
+fn what_lies_before_a_particle_at_a_surface_conducts_by_its_temperature() {
+    let (area, depth, film) = (1e-4, 2e-3, 50.0);
+    let table = Table(vec![[300.0, 2.0], [700.0, 1.0]]);
+    let (mut state, mut plan, _) = held_chain(1);
+    let conductance = surface_conductance(area, depth, 1.0, film);
+    let resistance = depth / area;
+    let exchange = Exchange { flux_area: 0.0, conductance, radiation: 0.0, resistance };
+    let heat = heat_of(&mut plan);
+    heat.exposures.push(Exposure { temperature: None, exchanges: vec![(exchange, Around::fluid(constant(900.0)))] });
+    heat.conductors[0].conductivity = 1.0;
+    heat.tables.conductivity = vec![table];
+    state.exposure[0] = 1;
+    for (temperature, conductivity) in [(300.0, 2.0), (500.0, 1.5), (800.0, 1.0)] {
+        state.temperature[0] = temperature;
+        let expected = surface_conductance(area, depth, conductivity, film) * (900.0 - temperature);
+        let found = after(&state, &plan, Options::default(), 0).heat_rate[0];
+        assert!((found / expected - 1.0).abs() < 1e-13, "{temperature} K: {found} {expected}");
+    }
+}
+
+#[test]
+fn a_held_bond_pulls_and_breaks_by_its_temperature() {
+    let (mut state, mut plan, _) = held_chain(2);
+    let stretch = 1e-3 * RADIUS;
+    state.position[1][0] += stretch;
+    let stiffness = Table(vec![[300.0, 1.0], [500.0, 0.2]]);
+    let strength = Table(vec![[300.0, 1.0], [400.0, 0.0]]);
+    let bonds = plan.bonds.as_mut().expect("the plan has bonds");
+    bonds.tables = BondTables { stiffness: vec![stiffness.clone()], strength: Vec::new() };
+    heat_of(&mut plan).conductors[0].conductivity = 0.0;
+    let force = |temperatures: [f64; 2], plan: &Plan| {
+        let mut state = state.clone();
+        state.temperature = temperatures.to_vec();
+        after(&state, plan, Options::default(), 0).force[0][0]
+    };
+    let cold = force([280.0, 300.0], &plan);
+    for temperatures in [[300.0, 500.0], [430.0, 450.0], [600.0, 700.0]] {
+        let mean = 0.5 * (temperatures[0] + temperatures[1]);
+        let found = force(temperatures, &plan) / cold;
+        assert!((found / stiffness.value(mean) - 1.0).abs() < 1e-12, "{temperatures:?}: {found}");
+    }
+    // Warmed by a flux, it breaks where its strength has fallen to its stress.
+    let area = std::f64::consts::PI * RADIUS * RADIUS;
+    let bonds = plan.bonds.as_mut().expect("the plan has bonds");
+    bonds.tables = BondTables { stiffness: Vec::new(), strength: vec![strength] };
+    let joint = bonds.joints[0].as_mut().expect("there is a joint");
+    (joint.cement.tensile_strength, joint.cement.shear_strength) = (2.0 * cold / area, f64::INFINITY);
+    let exchange = Exchange { flux_area: 1e-4, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
+    heat_of(&mut plan)
+        .exposures
+        .push(Exposure { temperature: None, exchanges: vec![(exchange, Around::flux(constant(1e3)))] });
+    state.exposure = vec![1; 2];
+    state.temperature = vec![330.0; 2];
+    let per_step = plan.heat_step() * 0.1 / (state.mass[0] * SPECIFIC_HEAT);
+    for options in all_options() {
+        let end = after(&state, &plan, options, 400);
+        let breakage = end.bonds[0].breakage.expect("it breaks");
+        let at = 330.0 + per_step * breakage.step as f64;
+        assert!((350.0..350.0 + 1.01 * per_step).contains(&at), "{at} K, {per_step} K a step");
+    }
+}
+
+#[test]
+fn tables_that_say_nothing_are_refused() {
+    let (state, plan, _) = held_chain(3);
+    let refused = |plan: &Plan| {
+        matches!(Simulation::new(state.clone(), plan.clone(), Options::default()), Err(Fault::Inconsistent { .. }))
+    };
+    let table = || Table(vec![[300.0, 1.0], [400.0, 0.5]]);
+    let with = |change: &dyn Fn(&mut Plan)| {
+        let mut plan = plan.clone();
+        change(&mut plan);
+        plan
+    };
+    let conducting = |plan: &mut Plan, table: Table| {
+        let heat = heat_of(plan);
+        heat.conductors[0].conductivity = 1.0;
+        heat.tables.conductivity = vec![table];
+    };
+    let bonded = |plan: &mut Plan, stiffness: Vec<Table>, strength: Vec<Table>| {
+        plan.bonds.as_mut().expect("the plan has bonds").tables = BondTables { stiffness, strength };
+    };
+    assert!(!refused(&with(&|plan| conducting(plan, table()))));
+    assert!(!refused(&with(&|plan| bonded(plan, vec![table()], vec![table()]))));
+    for wrong in [
+        Table(Vec::new()),
+        Table(vec![[400.0, 1.0], [300.0, 0.5]]),
+        Table(vec![[300.0, 1.0], [400.0, f64::NAN]]),
+        Table(vec![[300.0, 1.0], [400.0, -0.5]]),
+    ] {
+        assert!(refused(&with(&|plan| conducting(plan, wrong.clone()))), "{wrong:?}");
+        assert!(refused(&with(&|plan| heat_of(plan).tables.specific_heat = vec![wrong.clone()])), "{wrong:?}");
+        assert!(refused(&with(&|plan| bonded(plan, vec![wrong.clone()], Vec::new()))), "{wrong:?}");
+        assert!(refused(&with(&|plan| bonded(plan, Vec::new(), vec![wrong.clone()]))), "{wrong:?}");
+    }
+    // Another number of tables, a conductivity besides them, no heat, bonds that remember.
+    assert!(refused(&with(&|plan| heat_of(plan).tables.specific_heat = vec![table(); 2])));
+    assert!(refused(&with(&|plan| heat_of(plan).tables.conductivity = vec![table()])));
+    let remembering = |plan: &mut Plan| {
+        plan.bonds.as_mut().expect("the plan has bonds").law.form = bond::Form::Incremental(bond::Tension::Stored);
+    };
+    assert!(!refused(&with(&remembering)));
+    assert!(!refused(&with(&|plan| {
+        remembering(plan);
+        bonded(plan, Vec::new(), vec![table()]);
+    })));
+    assert!(refused(&with(&|plan| {
+        remembering(plan);
+        bonded(plan, vec![table()], Vec::new());
+    })));
 }
 
 #[test]

@@ -8,12 +8,12 @@ use common::heated::{
     warm_block, warm_cloud,
 };
 use common::{DENSITY, plan, random, scene, spheres, wall};
-use tdem_engine::cpu::Options;
+use tdem_engine::cpu::{Options, Width};
 use tdem_engine::physics::bond::{self, Cement, Damping, Joint};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Dissipation, Exchange, Path};
 use tdem_engine::{
-    Around, Exposure, Fault, Integrator, Ledger, Plan, Simulation, State, energy_accounts, heat_accounts,
+    Around, Exposure, Fault, Integrator, Ledger, Plan, Simulation, State, Table, energy_accounts, heat_accounts,
 };
 
 const DASHPOTS: bond::Law = bond::Law { damping: Damping::Viscous, ..ELASTIC };
@@ -136,6 +136,45 @@ fn expansion_of_a_held_bar_does_the_work_that_its_springs_hold() {
     let work = heat_booked(&end, heat_accounts::EXPANSION);
     assert!(gained.abs() > 0.1 * Ledger::of(&begin, &plan).elastic_bonds);
     assert!((work / gained - 1.0).abs() < 1e-9, "{work} {gained}");
+}
+
+/// A stretched bar that is held and becomes softer, and one that moves meanwhile: what temperature takes from its springs is
+/// booked.
+#[test]
+fn the_ledger_closes_where_bonds_become_softer() {
+    for (expansion, held) in [(0.0, true), (EXPANSION, false)] {
+        let mut plan = free_space(ELASTIC, JOINT);
+        plan.constraints.push(CLAMPED);
+        plan.ledger = true;
+        let mut state = chain(9, &plan);
+        for i in 0..state.len() {
+            state.position[i][0] *= 1.001;
+            state.constraint[i] = u16::from(held || i == 0 || i == 8);
+        }
+        heated(&mut state, &mut plan, expansion);
+        plan.bonds.as_mut().expect("the plan has bonds").tables.stiffness =
+            vec![Table(vec![[REFERENCE, 1.0], [REFERENCE + 100.0, 0.8], [REFERENCE + 250.0, 0.2]])];
+        heat_of(&mut plan).time_scale = 1e5;
+        heat_of(&mut plan).exposures.push(Exposure {
+            temperature: Some(tdem_engine::Course(vec![[0.0, REFERENCE], [600.0, REFERENCE + 300.0]])),
+            exchanges: Vec::new(),
+        });
+        state.exposure.iter_mut().step_by(2).for_each(|exposure| *exposure = 1);
+        let begin = Ledger::of(&after(&state, &plan, Options::default(), 0), &plan);
+        let end = Ledger::of(&after(&state, &plan, Options::default(), 600), &plan);
+        assert!(end.expansion_work.abs() > 0.1 * begin.elastic_bonds, "{end:?}");
+        // At the corners of the table, a step of half a kelvin counts with the mean of both slopes.
+        assert!(
+            end.energy_error.abs() < 3e-3 * end.expansion_work.abs(),
+            "{} of {}",
+            end.energy_error,
+            end.expansion_work
+        );
+        for options in [Width::One, Width::Portable].map(|width| Options { width, ..Options::default() }) {
+            let found = Ledger::of(&after(&state, &plan, options, 600), &plan);
+            assert_eq!(found.expansion_work.to_bits(), end.expansion_work.to_bits());
+        }
+    }
 }
 
 /// With the work of expansion the ledger of a body closes that is strained by heat and moves.

@@ -5,7 +5,7 @@ mod common;
 use common::bonded::{CLAMPED, ELASTIC, JOINT, RADIUS, chain, cracking_block, free_space};
 use common::heated::{
     EXPANSION, NONE, REFERENCE, SPECIFIC_HEAT, after, constant, frozen, furnace, heat_of, heated, heated_block,
-    held_chain, in_turns, warm_cloud,
+    held_chain, in_turns, temper, warm_cloud,
 };
 use common::random;
 use tdem_engine::cpu::Options;
@@ -80,17 +80,29 @@ fn still_block() -> (State, Plan) {
     (state, plan)
 }
 
+/// The same, where everything depends on temperature.
+fn tempered_block() -> (State, Plan) {
+    let (state, mut plan) = still_block();
+    temper(&mut plan);
+    (state, plan)
+}
+
 #[test]
 fn heat_alone_has_the_bits_of_a_run_in_which_nothing_moves() {
-    let (state, mut plan) = still_block();
+    for (state, plan) in [still_block(), tempered_block()] {
+        has_the_bits_of_a_run_in_which_nothing_moves(&state, plan);
+    }
+}
+
+fn has_the_bits_of_a_run_in_which_nothing_moves(state: &State, mut plan: Plan) {
     heat_of(&mut plan).time_scale = 1e5;
-    let begin = after(&state, &plan, Options::default(), 0);
+    let begin = after(state, &plan, Options::default(), 0);
     let (contacts, at_walls) = (begin.contacts.len(), begin.wall_contacts.len());
     assert!(contacts > 20 && at_walls > 5 && state.bonds.len() > 300, "{contacts} {at_walls}");
     let alone = frozen(&plan, Scheme::Explicit, plan.heat_step());
     for steps in [0, 1, 60] {
-        let expected = after(&state, &plan, Options::default(), steps);
-        let found = after(&state, &alone, Options::default(), steps);
+        let expected = after(state, &plan, Options::default(), steps);
+        let found = after(state, &alone, Options::default(), steps);
         // Contacts slide to their cones and quaternions are normed where steps are taken, though nothing moves.
         assert!(found.temperature == expected.temperature && found.heat_rate == expected.heat_rate, "{steps}");
         assert!(found.position == state.position && expected.position == state.position, "{steps}");
@@ -100,8 +112,10 @@ fn heat_alone_has_the_bits_of_a_run_in_which_nothing_moves() {
 
 #[test]
 fn bits_depend_neither_on_threads_nor_on_interruptions() {
-    let (state, plan) = still_block();
-    for scheme in [Scheme::Explicit, Scheme::Implicit] {
+    let schemes = [Scheme::Explicit, Scheme::Implicit];
+    for (scheme, (state, plan)) in
+        schemes.into_iter().flat_map(|scheme| [(scheme, still_block()), (scheme, tempered_block())])
+    {
         let plan = frozen(&plan, scheme, 3.0);
         let expected = after(&state, &plan, threads(1), 20);
         for count in [2, 7] {
@@ -131,6 +145,39 @@ fn what_comes_in_stays_or_goes_out() {
         let ledger = Ledger::of(&end, &plan).heat.expect("the plan has heat");
         assert!((ledger.stored / stored - 1.0).abs() < 1e-10 && ledger.error.abs() < 1e-10 * came, "{ledger:?}");
     }
+}
+
+#[test]
+fn what_comes_in_stays_or_goes_out_where_specific_heats_depend_on_temperature() {
+    let (state, plan) = tempered_block();
+    for (scheme, step) in [(Scheme::Explicit, 30.0), (Scheme::Implicit, 1.0), (Scheme::Implicit, 50.0)] {
+        let plan = frozen(&plan, scheme, step);
+        let end = after(&state, &plan, Options::default(), 25);
+        let ledger = Ledger::of(&end, &plan).heat.expect("the plan has heat");
+        assert!(ledger.came_in > 0.05 * content(&state) && ledger.went_out > 0.0, "{ledger:?}");
+        assert!(ledger.error.abs() < 1e-11 * ledger.came_in, "{scheme:?}, {step} s: {ledger:?}");
+    }
+}
+
+/// A body that is heated through a film, its conductivity and specific heat by tables: the implicit scheme takes both at the
+/// beginning of a step.
+#[test]
+fn the_implicit_scheme_is_of_first_order_where_materials_depend_on_temperature() {
+    let (mut state, mut plan, _) = held_chain(6);
+    temper(&mut plan);
+    let film = Exchange { conductance: 2e-3, ..NONE };
+    heat_of(&mut plan)
+        .exposures
+        .push(Exposure { temperature: None, exchanges: vec![(film, Around::fluid(constant(700.0)))] });
+    state.exposure[0] = 1;
+    let end = |scheme, steps: u64| {
+        let plan = frozen(&plan, scheme, 2000.0 / steps as f64);
+        after(&state, &plan, Options::default(), steps).temperature[5]
+    };
+    let exact = end(Scheme::Explicit, 40_000);
+    let off = [200, 400].map(|steps| end(Scheme::Implicit, steps) - exact);
+    assert!(exact > REFERENCE + 50.0 && exact < 690.0, "{exact}");
+    assert!((off[0] / off[1] - 2.0).abs() < 0.1, "{off:?}");
 }
 
 #[test]
@@ -284,7 +331,8 @@ fn a_cloud_of_contacts_and_warm_walls_is_the_same_whatever_the_threads() {
     plan.gravity = [0.0; 3];
     let moved = after(&state, &plan, Options::default(), 400);
     // Where nothing moves, nothing expands.
-    state = State { reference_radius: Vec::new(), heat_accounts: Vec::new(), step: 0, ..moved };
+    let (reference_radius, heat_accounts, work_per_kelvin) = (Vec::new(), Vec::new(), Vec::new());
+    state = State { reference_radius, heat_accounts, work_per_kelvin, step: 0, ..moved };
     for thermal in &mut heat_of(&mut plan).materials {
         thermal.expansion = 0.0;
     }

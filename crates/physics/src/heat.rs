@@ -15,6 +15,8 @@
 //! * [`conduction`] what goes through a contact or a bond
 //! * [`surface`] what goes through the surface of a group: flux, convection, radiation
 //! * [`warming`] how temperature and radius follow
+//! * [`implicit`] the equation of a body in an implicit step
+//! * [`table`] what depends on temperature
 //! * [`dissipation`] heat of friction and of dashpots
 //! * [`expansion_work`] work that expansion does on springs
 //!
@@ -24,7 +26,9 @@
 pub mod conduction;
 pub mod dissipation;
 pub mod expansion_work;
+pub mod implicit;
 pub mod surface;
+pub mod table;
 pub mod warming;
 
 pub use conduction::{Conductor, Link, Path};

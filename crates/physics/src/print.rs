@@ -1,7 +1,7 @@
 //! The laws as C, for kernels to call.
 //!
 //! [`source`] prints one file: the structs the laws exchange and every [`Formula`] of contacts and motion as a function;
-//! [`bond_source`] adds those of bonds, [`heat_source`] those of heat. A kernel's skeleton
+//! [`bond_source`] adds those of bonds, [`heat_source`] those of heat; [`network_source`] stands alone. A kernel's skeleton
 //! (loads, loops over neighbours, stores) includes it after a prelude that defines
 //!
 //! | word | meaning |
@@ -31,8 +31,8 @@ mod heat_of_motion;
 mod members;
 
 pub use bonds::{
-    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTotal, ContactBegun, LocalDamping,
-    ReversedHistory, TurnOrientation,
+    BondBetween, BondEnergy, BondIncremental, BondLoss, BondRelease, BondRest, BondTempered, BondTotal, ContactBegun,
+    LocalDamping, ReversedHistory, TurnOrientation,
 };
 pub use formulas::{
     ContactOfSpheres, ContactWithWall, Drift, GearCorrect, GearPredict, Kick, LeverArm, NearestImage, RampLine,
@@ -40,12 +40,13 @@ pub use formulas::{
     TouchOfSpheres, TouchOfWall,
 };
 pub use heat::{
-    AtWall, BetweenSpheres, FreeStrain, Grown, HeatFlow, LinkBetween, LinkConductance, LinkWithinSide, SurfaceHeat,
-    Warmed,
+    AtWall, BetweenSpheres, ForeignAtEnd, FreeStrain, Grown, HeatAlong, HeatFlow, HeatRise, ImplicitBalance,
+    ImplicitHeld, LinkBetween, LinkConductance, LinkWithinSide, LongestStep, MeanTemperature, ResidualSquares,
+    SurfaceHeat, SurfaceSensitivity, TableSlope, TakenIn, TemperedConductance, TemperedExchange, ThermalSquare, Warmed,
 };
 pub use heat_of_motion::{
     DissipatedHeat, ElasticAtWall, ElasticBetweenSpheres, ExpansionWorkOfBond, ExpansionWorkOfContacts, HalfStepOfWork,
-    HeatRateOfMotion,
+    HeatRateOfMotion, SofteningWork,
 };
 pub use members::{Members, Parameter, Parameters};
 
@@ -201,6 +202,7 @@ pub fn bond_functions(law: bond::Law) -> Vec<(&'static str, CFunction)> {
     let bond::Law { form, damping } = law;
     vec![
         entry(&BondBetween { damping }),
+        entry(&BondTempered),
         entry(&BondRest),
         match form {
             Form::Total => entry(&BondTotal { damping }),
@@ -242,10 +244,17 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&BetweenSpheres { path }),
         entry(&AtWall { path }),
         entry(&HeatFlow),
+        entry(&TemperedConductance),
+        entry(&MeanTemperature),
+        entry(&HeatAlong),
+        entry(&HeatRise),
+        entry(&TableSlope),
+        entry(&TakenIn),
         entry(&LinkBetween),
         entry(&LinkWithinSide),
         entry(&LinkConductance),
         entry(&FreeStrain),
+        entry(&TemperedExchange),
         entry(&SurfaceHeat),
         entry(&Warmed),
         entry(&Grown),
@@ -256,6 +265,7 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
         entry(&ExpansionWorkOfBond),
         entry(&ExpansionWorkOfContacts),
         entry(&HalfStepOfWork),
+        entry(&SofteningWork),
     ]
 }
 
@@ -263,6 +273,30 @@ pub fn heat_functions(path: Path) -> Vec<(&'static str, CFunction)> {
 #[must_use]
 pub fn heat_source(path: Path) -> String {
     heat_functions(path).into_iter().fold(heat_types(), |text, (_, function)| text + "\n" + &function.text)
+}
+
+/// Every formula by its name, as a function, that is needed where heat goes on alone through conductances that are known.
+#[must_use]
+pub fn network_functions() -> Vec<(&'static str, CFunction)> {
+    vec![
+        entry(&HeatFlow),
+        entry(&SurfaceHeat),
+        entry(&SurfaceSensitivity),
+        entry(&Warmed),
+        entry(&LongestStep),
+        entry(&ImplicitHeld),
+        entry(&ImplicitBalance),
+        entry(&ForeignAtEnd),
+        entry(&ThermalSquare),
+        entry(&ResidualSquares),
+    ]
+}
+
+/// The structs and the functions of [`network_functions`] in one text, which needs nothing of [`source`].
+#[must_use]
+pub fn network_source() -> String {
+    let types = [Exchange::<Symbol>::definition(), Outside::<Symbol>::definition()].concat();
+    network_functions().into_iter().fold(types, |text, (_, function)| text + "\n" + &function.text)
 }
 
 #[cfg(test)]

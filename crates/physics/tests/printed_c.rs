@@ -174,6 +174,7 @@ fn what_bonds_need_has_the_bits_of_the_law() {
         },
         |_, _| {},
     );
+    alone(print::BondTempered, |rng| (rng.bond(), rng.size(-8, 2), rng.size(-8, 2)));
     alone(print::BondRest, |rng| (rng.size(-12, -2), rng.number(-16, -6), rng.number(-16, -6)));
     alone(print::ReversedHistory, |rng| (rng.history(),));
     alone(print::BondLoss, |rng| {
@@ -224,6 +225,23 @@ fn heat_has_the_bits_of_the_law() {
         |_, _| {},
     );
     alone(print::HeatFlow, |rng| (rng.size(-20, 4), rng.size(7, 11), rng.size(7, 11)));
+    alone(print::TemperedConductance, |rng| (rng.size(-20, 4), rng.size(-8, 8), rng.size(-8, 8)));
+    alone(print::MeanTemperature, |rng| (rng.size(7, 11), rng.size(7, 11)));
+    alone(print::TakenIn, |rng| (rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
+    // Specific heats of two points, and where a body is between them.
+    let piece = |rng: &mut Rng| (rng.size(7, 9), rng.size(7, 12), rng.size(10, 11), rng.size(7, 12), rng.size(9, 10));
+    alone(print::TableSlope, |rng| {
+        let (start, low, end, high, _) = piece(rng);
+        (start, low, end, high)
+    });
+    alone(print::HeatAlong, |rng| {
+        let (start, low, end, high, from) = piece(rng);
+        (start, low, end, high, from, rng.size(9, 10))
+    });
+    alone(print::HeatRise, |rng| {
+        let (start, low, end, high, from) = piece(rng);
+        (start, low, end, high, from, rng.number(-4, 12))
+    });
     alone(print::LinkBetween, |rng| {
         let (radii, expansions) = ([rng.size(-9, -2), rng.size(-9, -2)], [rng.size(-20, -10), rng.size(-20, -10)]);
         (rng.conductor(), radii, expansions)
@@ -231,17 +249,33 @@ fn heat_has_the_bits_of_the_law() {
     alone(print::LinkWithinSide, |rng| (rng.link(),));
     alone(print::LinkConductance, |rng| (rng.link(), rng.size(-8, -2)));
     alone(print::FreeStrain, |rng| (rng.link(), rng.number(-3, 11), rng.number(-3, 11)));
-    alone(print::SurfaceHeat, |rng| {
+    let exchange = |rng: &mut Rng| {
         let [flux_area, conductance, radiation, resistance] =
             [(-20, -6), (-20, 4), (-44, -30), (-3, 12)].map(|(low, high)| match rng.below(3) {
                 0 => 0.0,
                 _ => rng.size(low, high),
             });
+        Exchange { flux_area, conductance, radiation, resistance }
+    };
+    let surroundings = |rng: &mut Rng| {
         let outside = Outside { flux: rng.number(-3, 20), fluid: rng.size(7, 11), surroundings: rng.size(7, 11) };
-        (Exchange { flux_area, conductance, radiation, resistance }, rng.size(7, 11), outside)
-    });
+        (exchange(rng), rng.size(7, 11), outside)
+    };
+    alone(print::SurfaceHeat, surroundings);
+    alone(print::SurfaceSensitivity, surroundings);
+    alone(print::TemperedExchange, |rng| (exchange(rng), rng.size(-8, 8)));
     alone(print::Warmed, |rng| (rng.size(7, 11), rng.number(-20, 12), rng.size(-12, 4), rng.size(-24, 2)));
     alone(print::Grown, |rng| (rng.size(-9, -2), rng.number(-20, -10), rng.number(-3, 11)));
+}
+
+#[test]
+fn implicit_heat_has_the_bits_of_the_law() {
+    alone(print::LongestStep, |rng| (rng.size(-12, 4), if rng.one_in(4) { 0.0 } else { rng.size(-20, 4) }));
+    alone(print::ImplicitHeld, |rng| (rng.size(-12, 4), rng.size(-24, 12), rng.size(-20, 4)));
+    alone(print::ImplicitBalance, |rng| (rng.size(-24, 12), rng.number(-60, 11), rng.number(-60, 12)));
+    alone(print::ForeignAtEnd, |rng| (rng.number(-20, 12), rng.size(-20, 4), rng.number(-60, 11)));
+    alone(print::ThermalSquare, |rng| (rng.size(-12, 4), rng.number(-60, 11)));
+    alone(print::ResidualSquares, |rng| (rng.number(-60, 12), rng.size(-24, 12), rng.size(-12, 4), rng.size(-24, 12)));
 }
 
 #[test]
@@ -261,6 +295,7 @@ fn heat_of_motion_has_the_bits_of_the_law() {
     });
     alone(print::ExpansionWorkOfBond, |rng| (rng.number(-20, -10), rng.number(-10, 20), rng.size(-9, -2)));
     alone(print::ExpansionWorkOfContacts, |rng| (rng.size(-10, 20), rng.number(-20, -10), rng.size(-9, -2)));
+    alone(print::SofteningWork, |rng| (rng.number(-30, 2), rng.size(-8, 2), rng.number(-20, -2)));
     alone(print::HalfStepOfWork, |rng| (rng.number(-30, 2), rng.number(-20, 4)));
 }
 

@@ -370,9 +370,12 @@ pub(crate) static HISTORY_WITH_HEAT: &[Quantity<OfRow>] = &[
     real("heat_out", "J", "heat that went out since the start", |r| one(heat(r).went_out)),
     real("heat_made", "J", "heat that friction and dashpots made since the start", |r| one(heat(r).made)),
     real("heat_error", "J", "what the ledger does not explain: stored - in + out - made", |r| one(heat(r).error)),
-    real("expansion_work", "J", "work that expansion did on springs since the start, energy of the motion", |r| {
-        one(r.ledger.expansion_work)
-    }),
+    real(
+        "expansion_work",
+        "J",
+        "work that expansion and softening did on springs since the start, energy of the motion",
+        |r| one(r.ledger.expansion_work),
+    ),
     real("lowest_temperature", "K", "lowest temperature of a particle", |r| one(heat(r).lowest)),
     real("mean_temperature", "K", "mean temperature of all particles", |r| one(heat(r).mean)),
     real("highest_temperature", "K", "highest temperature of a particle", |r| one(heat(r).highest)),

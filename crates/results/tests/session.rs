@@ -9,7 +9,9 @@ use std::fs;
 use std::time::Duration;
 use tdem_engine::cpu::Options;
 use tdem_engine::physics::heat::{Conductor, Path};
-use tdem_engine::{Exposure, HeatPlan, Ledger, Motion, Relaxation, Schedule, Scheme, Simulation, Thermal};
+use tdem_engine::{
+    Exposure, HeatPlan, Ledger, Motion, Relaxation, Schedule, Scheme, Simulation, Thermal, ThermalTables,
+};
 use tdem_results::session::run;
 use tdem_results::{Control, Note, Observer, Outcome, Progress, Row, RunDirectory, RunError, load_final_state};
 
@@ -95,6 +97,7 @@ fn the_log_says_where_heat_went_on_before_particles_were_at_rest() {
         reference_temperature: 300.0,
         materials: vec![Thermal { specific_heat: 900.0, expansion: 0.0 }],
         conductors: vec![Conductor { conductivity: 1.5, section: 0.35 }],
+        tables: ThermalTables::default(),
         contacts: Path::Bar,
         exposures: vec![Exposure::default()],
         sides: Vec::new(),

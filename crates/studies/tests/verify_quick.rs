@@ -229,7 +229,24 @@ fn wrong_heat_is_caught() {
         exchanges.for_each(|(exchange, _)| exchange.flux_area *= 1.01);
     });
     let softer: fn(&mut Plan) = wrong_bond!(|joint| joint.stiffness_per_area *= 0.99);
-    let wrong: [Wrong; 44] = [
+    let table_of_bonds: fn(&mut Plan) = |plan| {
+        let tables = plan.bonds.iter_mut().map(|bonds| &mut bonds.tables);
+        for table in tables.flat_map(|tables| tables.stiffness.iter_mut().chain(&mut tables.strength)) {
+            table.0[1][1] *= 1.01;
+        }
+    };
+    let wrong: [Wrong; 49] = [
+        (
+            "thermal/conductivity-table",
+            wrong_heat!(|heat| heat.tables.conductivity.iter_mut().for_each(|table| table.0[0][1] *= 1.01)),
+        ),
+        (
+            "thermal/specific-heat-table",
+            wrong_heat!(|heat| heat.tables.specific_heat.iter_mut().for_each(|table| table.0[1][1] *= 1.001)),
+        ),
+        ("thermal/specific-heat-table", flows_in),
+        ("thermal/stiffness-table", table_of_bonds),
+        ("thermal/strength-table", table_of_bonds),
         ("thermal/two-particles", conducts),
         ("thermal/two-particles", stores),
         ("thermal/chain-steady", conducts),

@@ -3,6 +3,7 @@
 mod crystal;
 mod file;
 mod joint;
+mod tables;
 mod vibration;
 
 pub(crate) use vibration::Vibration;
@@ -19,7 +20,7 @@ use std::collections::{BTreeMap, HashMap};
 use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::strength::{weibull, weibull_scale};
 use tdem_engine::physics::bond::{Damping, Form, Joint, Law, Tension};
-use tdem_engine::{Bond, BondPlan, Domain, State};
+use tdem_engine::{Bond, BondPlan, BondTables, Domain, State, Table};
 
 /// The bonds of a case, before particles are in the order of their ids.
 #[derive(Clone, Debug)]
@@ -30,6 +31,8 @@ pub(crate) struct Bonded {
     carried: Vec<[u32; 2]>,
     /// What joins two materials, `(materials, materials)`.
     joints: Vec<Option<Joint<f64>>>,
+    /// How that depends on temperature.
+    tables: BondTables,
     /// Which [[bond]] says it.
     given: Given,
 }
@@ -62,6 +65,12 @@ impl Bonded {
     fn joint(&self, state: &State, pair: [usize; 2]) -> Option<&Joint<f64>> {
         let [a, b] = pair.map(|index| usize::from(state.material[index]));
         self.joints[a * self.given.materials + b].as_ref()
+    }
+    /// The least and the largest factor on the stiffness of a bond, at whatever temperature.
+    fn stiffness_factors(&self, state: &State, pair: [usize; 2]) -> [f64; 2] {
+        let [a, b] = pair.map(|index| usize::from(state.material[index]));
+        let table = self.tables.stiffness.get(a * self.given.materials + b);
+        table.map_or([1.0; 2], |table: &Table| [table.least(), table.largest()])
     }
 }
 
@@ -101,7 +110,8 @@ impl Bonded {
         }
         problems.extend(crystal::check(context, draft, &given, &[pairs.as_slice(), &carried].concat()));
         let joints = given.entries.iter().map(|entry| entry.and_then(|entry| joints[entry])).collect();
-        Some(Bonded { pairs, carried, joints, given })
+        let tables = tables::of(context, &given);
+        Some(Bonded { pairs, carried, joints, tables, given })
     }
 
     /// Indices of the particles of each bond, and its length, m.
@@ -126,6 +136,7 @@ impl Bonded {
                 damping: if damped { Damping::Viscous } else { Damping::Off },
             },
             joints: self.joints,
+            tables: self.tables,
             contact_in_bonded_pairs: case.bonds.contact_in_bonded_pairs,
             local_damping: case.bonds.local_damping.get(),
         }

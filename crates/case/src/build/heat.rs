@@ -15,7 +15,7 @@ use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
 use tdem_engine::physics::heat::conduction::pair_conductivity;
 use tdem_engine::physics::heat::{Conductor, Dissipation, Path};
-use tdem_engine::{Course, HeatPlan, Motion, Relaxation, Scheme, Thermal};
+use tdem_engine::{Course, HeatPlan, Motion, Relaxation, Scheme, Table, Thermal, ThermalTables};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
 pub(super) fn of(
@@ -38,7 +38,12 @@ pub(super) fn of(
         .collect();
     let (Exposed { exposures, sides }, surfaces) = surface::expose(context, heat, draft, zones, problems);
     let materials = context.materials.len();
-    let conductivity = |k: usize| context.materials.thermal[k].conductivity;
+    let thermal = &context.materials.thermal;
+    let tables = ThermalTables {
+        conductivity: tables_of(thermal, |of| &of.conductivity),
+        specific_heat: tables_of(thermal, |of| &of.specific_heat),
+    };
+    let conductivity = |k: usize| context.conductivity(k);
     let section = FRAC_PI_4 * (heat.bar_radius() * heat.bar_radius());
     let conductor = |k: usize| Conductor {
         conductivity: pair_conductivity(conductivity(k / materials), conductivity(k % materials)),
@@ -49,10 +54,14 @@ pub(super) fn of(
         time_scale: heat.time_scale(case),
         reference_temperature: heat.reference_temperature.unwrap_or(heat.initial_temperature) + zero,
         // Where nothing moves, nothing expands.
-        materials: (context.materials.thermal.iter())
-            .map(|of| Thermal { expansion: if frozen { 0.0 } else { of.thermal.expansion }, ..of.thermal })
+        materials: (thermal.iter())
+            .map(|of| Thermal {
+                specific_heat: of.specific_heat.least(),
+                expansion: if frozen { 0.0 } else { of.expansion },
+            })
             .collect(),
         conductors: (0..materials * materials).map(conductor).collect(),
+        tables,
         contacts: match heat.contacts {
             ContactPath::Bar => Path::Bar,
             ContactPath::Circle => Path::Circle,
@@ -93,27 +102,47 @@ fn course(given: &schema::Course, zero: f64) -> Course {
     Course(given.points().iter().map(|&[time, value]| [time, value + zero]).collect())
 }
 
+impl Context<'_> {
+    /// Conductivity of a material as a plan has it in its numbers, W/(m K): 1 where tables say what all conduct.
+    fn conductivity(&self, material: usize) -> f64 {
+        let thermal = &self.materials.thermal;
+        let tables = tables_of(thermal, |of| &of.conductivity);
+        if tables.is_empty() { thermal[material].conductivity.largest() } else { 1.0 }
+    }
+}
+
+/// A property of all materials over temperature, if it depends on it in any of them.
+fn tables_of(thermal: &[Conducting], of: fn(&Conducting) -> &Table) -> Vec<Table> {
+    let depends = thermal.iter().any(|material| of(material).0.len() > 1);
+    if depends { thermal.iter().map(|material| of(material).clone()).collect() } else { Vec::new() }
+}
+
 /// What a material is to heat.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Conducting {
-    /// W/(m K).
-    pub(crate) conductivity: f64,
-    pub(crate) thermal: Thermal,
+    /// W/(m K), over temperature.
+    pub(crate) conductivity: Table,
+    /// J/(kg K), over temperature.
+    pub(crate) specific_heat: Table,
+    /// 1/K.
+    pub(crate) expansion: f64,
 }
 
 impl Conducting {
     /// What conducts nothing; nobody asks for its specific heat.
-    pub(crate) const NOTHING: Conducting =
-        Conducting { conductivity: 0.0, thermal: Thermal { specific_heat: 1.0, expansion: 0.0 } };
+    pub(crate) fn nothing() -> Self {
+        Conducting { conductivity: Table::constant(0.0), specific_heat: Table::constant(1.0), expansion: 0.0 }
+    }
 
-    /// A material whose mass is so many times the true one where it moves: what it stores stays.
-    pub(crate) fn of(material: &schema::Material, mass_scaling: f64) -> Self {
+    /// `zero` is added to temperatures. A material whose mass is so many times the true one where it moves: what it stores stays.
+    pub(crate) fn of(material: &schema::Material, zero: f64, mass_scaling: f64) -> Self {
+        let table = |property: &Option<schema::Property>, otherwise: f64| {
+            property.as_ref().map_or(Table::constant(otherwise), |property| property.table(zero))
+        };
         Conducting {
-            conductivity: material.thermal_conductivity.map_or(0.0, schema::NonNegative::get),
-            thermal: Thermal {
-                specific_heat: material.specific_heat.map_or(1.0, schema::Positive::get) / mass_scaling,
-                expansion: material.thermal_expansion.unwrap_or(0.0),
-            },
+            conductivity: table(&material.thermal_conductivity, 0.0),
+            specific_heat: table(&material.specific_heat, 1.0).divided_by(mass_scaling),
+            expansion: material.thermal_expansion.unwrap_or(0.0),
         }
     }
 }

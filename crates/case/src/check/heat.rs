@@ -3,7 +3,9 @@
 use super::Checker;
 use crate::materials::RIGID;
 use crate::problem::{Problem, number};
-use crate::schema::{BarRadius, BondForm, ContactPath, Course, Face, Heat, Model, Motion, OpenSides, Scheme, Surface};
+use crate::schema::{
+    BarRadius, BondForm, ContactPath, Course, Face, Heat, Model, Motion, OpenSides, Property, Scheme, Surface,
+};
 use crate::walls::{FACES, face_name};
 
 /// The law of expansion is one of small strains.
@@ -37,6 +39,7 @@ impl Checker<'_> {
             }
         }
         self.thermal_materials(heat);
+        self.tables_of_bonds(heat);
         self.warm_walls(heat);
     }
 
@@ -74,6 +77,79 @@ impl Checker<'_> {
                         .at(place, "no side")
                         .at(cause, "repeats")
                         .help("leave out this side, or do not let this direction repeat"),
+                );
+            }
+        }
+    }
+
+    /// Factors on bonds over temperature.
+    fn tables_of_bonds(&mut self, heat: &Heat) {
+        for (k, joint) in self.case.bond.iter().enumerate() {
+            let index = k.to_string();
+            let (stiffness, strength) = (&joint.stiffness_over_temperature, &joint.strength_over_temperature);
+            for (key, property, positive) in
+                [("stiffness_over_temperature", stiffness, true), ("strength_over_temperature", strength, false)]
+            {
+                if let Some(property) = property {
+                    self.property(heat, property, &["bond", &index, key], "", positive);
+                }
+            }
+            if stiffness.is_some() && self.case.bonds.form != BondForm::Total {
+                let place = self.place(&["bonds", "form"]);
+                let cause = self.tree.key_place(&["bond", &index, "stiffness_over_temperature"]);
+                self.push(
+                    Problem::error(
+                        "tdem::case::stiffness-of-stored-forces",
+                        "the stiffness of these bonds depends on temperature, but a bond that stores forces keeps the old force when its stiffness changes",
+                    )
+                    .at(place, "stores forces")
+                    .at(cause, "changes with temperature")
+                    .help("write bonds.form = \"total\", with which forces follow from places"),
+                );
+            }
+            let softens = |name: &String| {
+                let own = |joint: &&crate::schema::Joint| joint.between.iter().all(|n| n == name);
+                self.case.bond.iter().filter(own).any(|joint| joint.stiffness_over_temperature.is_some())
+            };
+            if let (true, None, Some(name)) = (joint.series, stiffness, joint.between.iter().find(|name| softens(name)))
+            {
+                let place = self.place(&["bond", &index, "series"]);
+                self.push(
+                    Problem::error(
+                        "tdem::case::missing-parameter",
+                        format!("half of each of these bonds is `{name}`, whose stiffness depends on temperature"),
+                    )
+                    .at(place, "`stiffness_over_temperature` belongs here")
+                    .help("add stiffness_over_temperature = [[temperature, factor], ...] of the whole bond"),
+                );
+            }
+        }
+    }
+
+    /// A property over temperature: temperatures that are some, values in range.
+    fn property(&mut self, heat: &Heat, property: &Property, path: &[&str], unit: &str, positive: bool) {
+        let points = match property {
+            Property::Constant(value) => vec![(0, [f64::INFINITY, value.get()])],
+            Property::Points(points) => points.iter().copied().enumerate().collect(),
+            Property::Measured(_) => Vec::new(),
+        };
+        for (k, [temperature, value]) in points {
+            // Points that were read from a file stand where the file is named.
+            let index = k.to_string();
+            let point = [path, &[index.as_str()]].concat();
+            let path = if self.tree.get(&point).is_some() { &point[..] } else { path };
+            if !matches!(property, Property::Constant(_)) {
+                self.temperature(heat, temperature, path);
+            }
+            if !value.is_finite() || value < 0.0 || positive && value == 0.0 {
+                let (place, allowed) = (self.place(path), if positive { "above" } else { "at least" });
+                let (name, unit) = (path[2], if unit.is_empty() { String::new() } else { format!(" {unit}") });
+                self.push(
+                    Problem::error(
+                        "tdem::case::out-of-range",
+                        format!("`{name}` has the value {value}{unit}, but must be {allowed} 0"),
+                    )
+                    .at(place, format!("must be {allowed} 0{unit}")),
                 );
             }
         }
@@ -174,6 +250,14 @@ impl Checker<'_> {
             .filter(|&(_, _, warm)| warm)
             .map(|(table, k, _)| self.place(&[table, &k.to_string(), "temperature"]))
             .collect();
+        for (k, joint) in self.case.bond.iter().enumerate() {
+            let tables = [
+                ("stiffness_over_temperature", joint.stiffness_over_temperature.is_some()),
+                ("strength_over_temperature", joint.strength_over_temperature.is_some()),
+            ];
+            let given = tables.into_iter().filter(|(_, there)| *there);
+            places.extend(given.map(|(key, _)| self.tree.key_place(&["bond", &k.to_string(), key])));
+        }
         places.extend((0..self.case.surface.len()).map(|k| self.place(&["surface", &k.to_string()])));
         for place in places {
             self.push(
@@ -255,6 +339,17 @@ impl Checker<'_> {
                         .at(cause, "the case has heat")
                         .help(format!("add {key} = ... in {unit}")),
                 );
+            }
+            let constant = matches!(material.thermal_conductivity, Some(Property::Constant(_)));
+            let properties = [
+                // What conducts at some temperatures does so at all.
+                ("thermal_conductivity", &material.thermal_conductivity, "W/(m K)", !constant),
+                ("specific_heat", &material.specific_heat, "J/(kg K)", true),
+            ];
+            for (key, property, unit, positive) in properties {
+                if let Some(property) = property {
+                    self.property(heat, property, &["material", name, key], unit, positive);
+                }
             }
             if let Some(expansion) = material.thermal_expansion {
                 self.expansion(heat, name, expansion);

@@ -1,5 +1,6 @@
 //! Bonds between particles: which there are, and what they are made of.
 
+use super::property::Property;
 use super::quantity::{NonNegative, PoissonRatio, Positive, Strength, non_negative, positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -67,6 +68,13 @@ pub struct Joint {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "Pa"))]
     pub shear_strength: Option<Strength>,
+    /// Factor on all stiffnesses over the mean temperature of the two particles, above 0, points [temperature, factor]: 1.0
+    /// is what is given above. Only with form = "total".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness_over_temperature: Option<Property>,
+    /// Factor on both strengths over the mean temperature of the two particles, points [temperature, factor].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strength_over_temperature: Option<Property>,
     /// Angle of internal friction, degrees: pressure adds its tangent times the pressure to the shear strength.
     #[serde(default = "none")]
     #[schemars(range(max = 89.0))]

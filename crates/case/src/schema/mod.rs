@@ -8,6 +8,7 @@ mod course;
 mod gauge;
 mod heat;
 mod particles;
+mod property;
 mod quantity;
 mod shape;
 mod zone;
@@ -22,6 +23,7 @@ pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     RunBonds, SizeDistribution, SizeRange,
 };
+pub use property::{MeasuredProperty, Property};
 pub(crate) use quantity::non_negative;
 pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
 pub use shape::{Ball, Block, Cylinder, Revolution, RibbedBar, Shape};
@@ -231,14 +233,14 @@ pub struct Material {
     pub young_modulus: Positive,
     /// Poisson's ratio.
     pub poisson_ratio: PoissonRatio,
-    /// Thermal conductivity, W/(m K). Needed with heat.
+    /// Thermal conductivity, W/(m K), a number or points [temperature, value]. Needed with heat.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "W/(m K)"))]
-    pub thermal_conductivity: Option<NonNegative>,
-    /// Specific heat, J/(kg K). Needed with heat.
+    pub thermal_conductivity: Option<Property>,
+    /// Specific heat, J/(kg K), above 0, a number or points [temperature, value]. Needed with heat.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "J/(kg K)"))]
-    pub specific_heat: Option<Positive>,
+    pub specific_heat: Option<Property>,
     /// Coefficient of linear thermal expansion, 1/K. Needed with heat; 0.0 for none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "1/K"))]

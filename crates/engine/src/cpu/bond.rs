@@ -15,12 +15,12 @@ use super::pieces::split;
 use super::{CHUNK, Cpu, Width};
 use crate::energy_accounts::DAMPING;
 use crate::evaluate::quaternion;
-use crate::{BondHistory, BondPlan, Breakage, HeatPlan};
+use crate::{BondHistory, BondPlan, BondTables, Breakage, HeatPlan};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::bond::{
     Advance, Bond, Damping, Ends, Failure, Form, Joint, Law, Posture, Reaction, Rest, damping, released_energy,
-    respond_incremental, respond_total,
+    respond_incremental, respond_total, stored_energy,
 };
 use tdem_physics::contact::{Encounter, Period, Sphere, begun_energy, touch_spheres};
 
@@ -46,6 +46,7 @@ pub(super) struct Scene<'a> {
     period: Option<Period<f64>>,
     step: f64,
     heat: Option<Warm<'a>>,
+    tempering: Option<Tempering<'a>>,
 }
 
 /// What bonds look at that expand.
@@ -54,6 +55,13 @@ struct Warm<'a> {
     plan: &'a HeatPlan,
     bodies: &'a Bodies,
     bonds: &'a Bonds,
+}
+
+/// What bonds look at whose numbers depend on temperature.
+#[derive(Clone, Copy)]
+struct Tempering<'a> {
+    tables: &'a BondTables,
+    temperature: &'a [f64],
 }
 
 /// What a bond loop writes: the rows of a chunk of particles.
@@ -75,6 +83,8 @@ pub(super) struct Rows<'a> {
     taken: &'a mut [f64],
     /// Elastic tension of each bond, N; empty where nobody looks at it.
     tension: &'a mut [f64],
+    /// Energy in the springs of each bond, J; empty where their stiffness does not depend on temperature, or nobody looks.
+    energy: &'a mut [f64],
 }
 
 /// Evaluates the bonds of a chunk and returns those that fail.
@@ -92,7 +102,9 @@ impl Cpu {
         let count = self.bonds.table.len();
         let dashpots = self.plan.makes_heat() && self.plan.bonds.as_ref().is_some_and(BondPlan::has_dashpots);
         flows.bond_losses.resize(if dashpots { count } else { 0 }, 0.0);
-        flows.tension.resize(if self.plan.books_expansion() { count } else { 0 }, 0.0);
+        let follows = self.plan.books_expansion();
+        flows.tension.resize(if follows { count } else { 0 }, 0.0);
+        flows.energy.resize(if follows && self.plan.softens() { count } else { 0 }, 0.0);
         let failed = self.bond_scene().map_or_else(Vec::new, |scene| {
             let booked = if scene.law.damping == Damping::Off { &mut [][..] } else { &mut accounts };
             let evaluate: Loop = match self.options.width {
@@ -133,6 +145,9 @@ impl Cpu {
             law: self.plan.bonds.as_ref()?.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
+            tempering: (self.plan.bonds.as_ref().map(|bonds| &bonds.tables))
+                .filter(|tables| !tables.is_empty())
+                .map(|tables| Tempering { tables, temperature: &self.bodies.temperature }),
             heat: (self.plan.heat.as_ref().filter(|heat| heat.expands())).map(|plan| Warm {
                 plan,
                 bodies: &self.bodies,
@@ -191,6 +206,7 @@ fn tasks<'a>(
     let mut accounts = split(accounts, &particles);
     let mut taken = split(&mut flows.bond_losses, &slots);
     let mut tension = split(&mut flows.tension, &slots);
+    let mut energy = split(&mut flows.energy, &slots);
     (particles.iter().zip(&slots).take(particles.len() - 1))
         .map(|(&first, &base)| Rows {
             first,
@@ -203,6 +219,7 @@ fn tasks<'a>(
             lost: Vec::new(),
             taken: taken.next().unwrap_or_default(),
             tension: tension.next().unwrap_or_default(),
+            energy: energy.next().unwrap_or_default(),
         })
         .collect()
 }
@@ -250,8 +267,23 @@ impl Scene<'_> {
     fn joint(&self, i: usize, j: usize) -> &Joint<f64> {
         &self.joints[self.materials_of(i, j)]
     }
+    /// The numbers of a bond at its temperature.
     #[inline(always)]
     fn numbers(&self, slot: usize) -> Bond<f64> {
+        let bond = self.numbers_as_made(slot);
+        let Some([stiffness, strength]) = self.factors(slot) else { return bond };
+        bond.tempered(stiffness, strength)
+    }
+    /// Factors on stiffness and strength, if they depend on temperature.
+    #[inline(always)]
+    fn factors(&self, slot: usize) -> Option<[f64; 2]> {
+        let Tempering { tables, temperature } = self.tempering?;
+        let (i, j) = self.pair(slot);
+        Some(tables.factors(self.materials_of(i, j), [temperature[i], temperature[j]]))
+    }
+    /// Its numbers but for the temperature.
+    #[inline(always)]
+    fn numbers_as_made(&self, slot: usize) -> Bond<f64> {
         let strength = self.strength[slot];
         let ((i, j), offset) = (self.pair(slot), self.bonded_offset(slot));
         if let Some(alike) = self.alike {
@@ -310,6 +342,7 @@ impl Rows<'_> {
         self.lost = vec![0.0; self.accounts.len()];
         self.taken.fill(0.0);
         self.tension.fill(0.0);
+        self.energy.fill(0.0);
     }
     fn close_books(&mut self) {
         for (account, lost) in self.accounts.iter_mut().zip(&self.lost) {
@@ -350,6 +383,13 @@ impl Rows<'_> {
             *noted = tension;
         }
     }
+    /// Notes what its springs hold.
+    #[inline(always)]
+    fn note_energy(&mut self, slot: usize, energy: f64) {
+        if let Some(noted) = self.energy.get_mut(slot - self.base) {
+            *noted = energy;
+        }
+    }
     /// The bonds of these rows.
     fn slots(&self) -> std::ops::Range<usize> {
         self.base..self.base + self.reaction.len() / REACTION
@@ -375,6 +415,9 @@ fn rows_scalar(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
         rows.keep(slot, i, &force, [&first, &second]);
         rows.remember(slot, history);
         rows.note(slot, reaction.load.normal);
+        if !rows.energy.is_empty() {
+            rows.note_energy(slot, stored_energy(&reaction.load, &scene.numbers(slot)));
+        }
         if !rows.accounts.is_empty() {
             let ends = scene.ends(slot);
             let loss = damping::loss(&ends, &scene.settled(slot, &ends), &scene.numbers(slot), scene.step);

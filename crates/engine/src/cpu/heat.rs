@@ -19,7 +19,7 @@ use tdem_physics::contact::{elastic_force, touch_spheres, touch_wall};
 use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
 use tdem_physics::heat::dissipation::heat_rate;
 use tdem_physics::heat::expansion_work::{half_step, of_bond, of_contacts};
-use tdem_physics::heat::warming::{grown, warmed};
+use tdem_physics::heat::warming::grown;
 use tdem_physics::heat::{Link, Outside};
 
 /// What pairs do to the heat of their particles; room that is kept from step to step. `P` is the number of listed pairs,
@@ -38,6 +38,8 @@ pub(super) struct Flows {
     pressure: Vec<f64>,
     /// Elastic tension of a bond, N, `(B)`; empty where the ledger does not follow expansion.
     pub(super) tension: Vec<f64>,
+    /// Energy in the springs of a bond, J, `(B)`; empty likewise, and where its stiffness does not depend on temperature.
+    pub(super) energy: Vec<f64>,
     /// $\partial U/\partial T$ of a bond for both of its particles, J/K, `(B)`; empty likewise.
     work: Vec<[f64; 2]>,
 }
@@ -45,7 +47,7 @@ pub(super) struct Flows {
 impl Flows {
     pub(super) fn bytes(&self) -> usize {
         let pairs = [&self.contacts, &self.made, &self.pressure];
-        let bonds = [&self.bonds, &self.bond_losses, &self.tension];
+        let bonds = [&self.bonds, &self.bond_losses, &self.tension, &self.energy];
         pairs.into_iter().chain(bonds).map(|field| size_of_val(&field[..])).sum::<usize>() + size_of_val(&self.work[..])
     }
 }
@@ -91,12 +93,11 @@ impl Cpu {
                 let (accounts, work, warming) = books;
                 let (mut growth, mut wrong) = (Growth::default(), u32::MAX);
                 for i in 0..temperature.len() {
-                    let thermal = &heat.materials[usize::from(material[i])];
-                    let capacity = motion[i].scalar() * thermal.specific_heat;
-                    let free = warmed(temperature[i], force[i].scalar(), capacity, step);
+                    let mass = motion[i].scalar();
+                    let free = heat.warmed(material[i], mass, temperature[i], force[i].scalar(), step);
                     let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
                     if let Some(account) = accounts.get_mut(i) {
-                        book(account, capacity * (now - free));
+                        book(account, heat.heat_between(material[i], mass, free, now));
                         if let (Some(work), Some(warming)) = (work.get(i), warming.get_mut(i)) {
                             *warming = now - temperature[i];
                             account[EXPANSION] += half_step(*work, *warming);
@@ -104,7 +105,7 @@ impl Cpu {
                     }
                     temperature[i] = now;
                     if let Some(&reference) = reference.get(i) {
-                        let radius = grown(reference, thermal.expansion, now - heat.reference_temperature);
+                        let radius = grown(reference, heat.expansion(material[i]), now - heat.reference_temperature);
                         let one = Growth {
                             since_listed: radius - listed[chunk * CHUNK + i],
                             shrinkage: place[i].0[3] - radius,
@@ -164,7 +165,9 @@ impl Cpu {
                 }
                 let exposure = usize::from(law.bodies.exposure[i]);
                 for ((exchange, _), outside) in heat.exposures[exposure].exchanges.iter().zip(&outside[exposure]) {
-                    foreign += exchange.heat_rate(law.bodies.temperature[i], outside);
+                    let temperature = law.bodies.temperature[i];
+                    foreign +=
+                        heat.exchange(exchange, law.bodies.material[i], temperature).heat_rate(temperature, outside);
                 }
                 force[k].0[3] = rate + foreign;
                 let mut made = 0.0;
@@ -270,13 +273,13 @@ impl Conduction<'_> {
         let mut work = split(&mut flows.work, &slots);
         let pieces: Vec<_> =
             split(&mut flows.bonds, &slots).map(|flow| (flow, work.next().unwrap_or_default())).collect();
-        let tension = &flows.tension;
+        let (tension, energy) = (&flows.tension, &flows.energy);
         pieces.into_par_iter().zip(particles.par_windows(2)).for_each(|((flow, work), chunk)| {
             let base = self.bonds.start[chunk[0]] as usize;
             for slot in base..self.bonds.start[chunk[1]] as usize {
                 flow[slot - base] = self.bond(slot);
                 if let Some(work) = work.get_mut(slot - base) {
-                    *work = self.work_of_bond(slot, tension[slot]);
+                    *work = self.work_of_bond(slot, tension[slot], energy.get(slot).copied());
                 }
             }
         });
@@ -315,22 +318,30 @@ impl Conduction<'_> {
     /// $\partial U/\partial T$ of a particle, J/K, from the sum of the elastic forces of its contacts.
     fn work_per_kelvin(&self, i: usize, pressure: f64, flows: &Flows) -> f64 {
         let expansion = self.heat.expansion(self.bodies.material[i]);
-        let contacts = of_contacts(pressure, expansion, self.bodies.reference_radius[i]);
+        let reference = self.bodies.reference_radius.get(i);
+        let contacts = reference.map_or(0.0, |&radius| of_contacts(pressure, expansion, radius));
         if flows.work.is_empty() {
             return contacts;
         }
         let own = self.bonds.row(i).fold(0.0, |sum, slot| sum + flows.work[slot][0]);
         contacts + self.bonds.incoming(i).iter().fold(own, |sum, &slot| sum + flows.work[slot as usize][1])
     }
-    /// The same of a bond for both of its particles, from its elastic tension.
-    fn work_of_bond(&self, slot: usize, tension: f64) -> [f64; 2] {
+    /// The same of a bond for both of its particles, from its elastic tension, and the energy in its springs if their
+    /// stiffness depends on temperature.
+    fn work_of_bond(&self, slot: usize, tension: f64, energy: Option<f64>) -> [f64; 2] {
         if !self.bonds.holds[slot] {
             return [0.0; 2];
         }
         let offset: Vec3<f64> = self.bonds.offset[slot].into();
         let length = offset.dot(offset).sqrt();
         let link = link(self.heat, self.bodies, self.bonds, slot);
-        [link.first_growth, link.second_growth].map(|growth| of_bond(growth, tension, length))
+        let work = [link.first_growth, link.second_growth].map(|growth| of_bond(growth, tension, length));
+        let (Some(energy), Some(bonds)) = (energy, &self.plan.bonds) else { return work };
+        let ends = [self.bonds.owner[slot], self.bonds.other[slot]].map(|k| k as usize);
+        let [a, b] = ends.map(|k| usize::from(self.bodies.material[k]));
+        let temperatures = ends.map(|k| self.bodies.temperature[k]);
+        let softening = bonds.tables.softening(a * self.plan.materials + b, temperatures, energy);
+        work.map(|work| work + softening)
     }
     /// Elastic force between two particles that touch, N.
     fn pressure(&self, i: usize, j: usize) -> f64 {
@@ -352,9 +363,10 @@ impl Conduction<'_> {
         let offset = self.plan.domain.period().nearest(place(j).vector() - place(i).vector());
         let (first, second) = (place(i).scalar(), place(j).scalar());
         let touch = touch_spheres(offset, first + second);
-        let conductor = self.heat.conductor(self.bodies.material[i], self.bodies.material[j]);
+        let materials = [i, j].map(|k| self.bodies.material[k]);
+        let conductor = self.heat.conductor(materials[0], materials[1]);
         let conductance = between_spheres(self.heat.contacts, conductor, first, second, &touch);
-        flow(conductance, self.bodies.temperature[i], self.bodies.temperature[j])
+        self.flow(conductance, materials, [i, j].map(|k| self.bodies.temperature[k]))
     }
     /// Whether a contact acts beside a bond that holds: then the bond alone conducts.
     fn beside_bond(&self, i: usize, j: usize) -> bool {
@@ -366,9 +378,10 @@ impl Conduction<'_> {
         let place = &self.bodies.place[i];
         let described = &self.plan.walls[wall];
         let touch = touch_wall(place.vector(), place.scalar(), position[wall].into(), described.normal.into());
-        let conductor = self.heat.conductor(self.bodies.material[i], described.material);
+        let materials = [self.bodies.material[i], described.material];
+        let conductor = self.heat.conductor(materials[0], materials[1]);
         let conductance = at_wall(self.heat.contacts, conductor, place.scalar(), &touch);
-        flow(conductance, self.bodies.temperature[i], temperature)
+        self.flow(conductance, materials, [self.bodies.temperature[i], temperature])
     }
     /// Heat rate into the row's particle through a bond, W.
     fn bond(&self, slot: usize) -> f64 {
@@ -380,7 +393,14 @@ impl Conduction<'_> {
         let link = link(self.heat, self.bodies, self.bonds, slot);
         let within = self.heat.at_one_side([i, j].map(|index| self.bodies.exposure[index]));
         let link = if within { link.within_side() } else { link };
-        flow(link.conductance(offset.dot(offset).sqrt()), self.bodies.temperature[i], self.bodies.temperature[j])
+        let (materials, temperatures) =
+            ([i, j].map(|k| self.bodies.material[k]), [i, j].map(|k| self.bodies.temperature[k]));
+        self.flow(link.conductance(offset.dot(offset).sqrt()), materials, temperatures)
+    }
+    /// Heat rate into the first of two, whose conductance follows their temperatures where conductivities do, W.
+    #[inline(always)]
+    fn flow(&self, conductance: f64, materials: [u16; 2], temperatures: [f64; 2]) -> f64 {
+        flow(self.heat.tempered(conductance, materials, temperatures), temperatures[0], temperatures[1])
     }
 }
 

@@ -5,7 +5,7 @@ use super::memory::{Buffer, Queue};
 use super::program::only_of_pairs;
 use super::runtime::{Error, Runtime};
 use crate::cpu::Quad;
-use crate::{Course, Driven, Integrator, Plan, State, plan};
+use crate::{Course, Driven, Integrator, Plan, State, Table, plan};
 
 /// What neighbours see of particles and walls, in working order. There are two, so that a step can read one and write
 /// the other; between steps the other one holds forces and heat rates in `place` and moments in `spin`. While a list is made, it is room
@@ -205,6 +205,13 @@ fn piece_record(piece: &plan::Piece, number: u32) -> Piece {
 pub(super) fn course_record(course: Option<&Course>, pieces: &mut Vec<Piece>) -> [u32; 2] {
     let first = pieces.len() as u32;
     pieces.extend(course.into_iter().flat_map(Course::pieces).map(|piece| piece_record(&piece, 0)));
+    [first, pieces.len() as u32]
+}
+
+/// Adds the pieces of a table over temperature to those of others: the first, and the end.
+pub(super) fn table_record(table: &Table, pieces: &mut Vec<Piece>) -> [u32; 2] {
+    let first = pieces.len() as u32;
+    pieces.extend(table.pieces().map(|piece| piece_record(&piece, 0)));
     [first, pieces.len() as u32]
 }
 

@@ -249,7 +249,7 @@ impl<M> Apart<M> {
             reaction: queue.zeros(3 * present(true))?,
             lost: queue.zeros(present(variant.ledger && variant.bond_dashpots()))?,
             flow: queue.zeros(present(variant.heat.is_some()))?,
-            work: queue.zeros(2 * present(variant.ledger && variant.expands))?,
+            work: queue.zeros(2 * present(variant.expansion_work))?,
         })
     }
 

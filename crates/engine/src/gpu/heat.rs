@@ -1,13 +1,15 @@
 //! Heat on a device, see `kernels/heat.cl`. Temperatures stand in the halves, heat rates in the fourth number of forces.
 
-use super::bodies::course_record;
-use super::layout::{ConductorOf, ExchangeOf, Exchanging, Exposure, LinkOf, Piece, TakeReals, TakeWords, Thermal};
+use super::bodies::{course_record, table_record};
+use super::layout::{
+    ConductorOf, ExchangeOf, Exchanging, Exposure, Factors, LinkOf, Piece, Tabled, TakeReals, TakeWords, Thermal,
+};
 use super::memory::{Buffer, Queue};
 use super::program::{Variant, only_link};
 use super::runtime::{Error, Runtime};
 use crate::cpu::Quad;
 use crate::heat::filled;
-use crate::{Plan, State};
+use crate::{Plan, State, Table};
 use std::sync::Arc;
 use tdem_physics::heat::Link;
 
@@ -33,6 +35,12 @@ pub(super) struct Heat<M> {
     pub(super) links: Buffer<LinkOf, M>,
     /// The same of all bonds, if there is only one kind of them.
     pub(super) only_link: Option<Link<f64>>,
+    /// Of materials, where conductivities depend on temperature.
+    pub(super) conductivities: Buffer<Tabled, M>,
+    /// Of materials, where specific heats do.
+    pub(super) specific_heats: Buffer<Tabled, M>,
+    /// `(materials, materials)`, where the numbers of bonds do.
+    pub(super) factors: Buffer<Factors, M>,
     pub(super) exposures: Buffer<Exposure, M>,
     pub(super) exchanges: Buffer<Exchanging, M>,
     /// The exposures of the state, by rank.
@@ -75,6 +83,11 @@ impl<M> Heat<M> {
             let (end_exchange, sides) = (exchanges.len() as u32, sides.into());
             exposures.push(Exposure { first_piece, end_piece, first_exchange, end_exchange, sides });
         }
+        let conductivities = plan.heat.iter().flat_map(|heat| &heat.tables.conductivity);
+        let conductivities: Vec<Tabled> = conductivities.map(|table| tabled(table, pieces)).collect();
+        let specific_heats = plan.heat.iter().flat_map(|heat| &heat.tables.specific_heat);
+        let specific_heats: Vec<Tabled> = specific_heats.map(|table| tabled(table, pieces)).collect();
+        let factors = if variant.bond_tables { factors(plan, pieces) } else { Vec::new() };
         let materials = plan.heat.iter().flat_map(|heat| &heat.materials);
         let thermals =
             materials.map(|material| Thermal { specific_heat: material.specific_heat, expansion: material.expansion });
@@ -91,6 +104,9 @@ impl<M> Heat<M> {
             conductors: queue.buffer_of(&conductors.collect::<Vec<_>>())?,
             links: queue.buffer_of(&filled(&links).iter().map(LinkOf::from).collect::<Vec<_>>())?,
             only_link: only_link(&links),
+            conductivities: queue.buffer_of(&conductivities)?,
+            specific_heats: queue.buffer_of(&specific_heats)?,
+            factors: queue.buffer_of(&factors)?,
             exposures: queue.buffer_of(&exposures)?,
             exchanges: queue.buffer_of(&exchanges)?,
             exposure_by_rank: Arc::new(state.exposure.clone()),
@@ -121,6 +137,23 @@ impl<M> Heat<M> {
         }
         Ok(())
     }
+}
+
+fn tabled(table: &Table, pieces: &mut Vec<Piece>) -> Tabled {
+    let [first_piece, end_piece] = table_record(table, pieces);
+    Tabled { first_piece, end_piece }
+}
+
+/// Factors on the numbers of bonds, `(materials, materials)`; 1 where a plan says nothing.
+fn factors(plan: &Plan, pieces: &mut Vec<Piece>) -> Vec<Factors> {
+    let Some(tables) = plan.bonds.as_ref().map(|bonds| &bonds.tables) else { return Vec::new() };
+    let one = Table::constant(1.0);
+    let of_pair = |pair: usize| {
+        let [stiffness, end_stiffness] = table_record(tables.stiffness.get(pair).unwrap_or(&one), pieces);
+        let [strength, end_strength] = table_record(tables.strength.get(pair).unwrap_or(&one), pieces);
+        Factors { stiffness, end_stiffness, strength, end_strength }
+    };
+    (0..plan.materials * plan.materials).map(of_pair).collect()
 }
 
 /// Bytes per particle, and per bond where bonds are evaluated apart.

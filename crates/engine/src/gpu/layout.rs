@@ -1,4 +1,4 @@
-//! What both sides of a launch agree on, in one table: the structs, and the parameters of every kernel.
+//! What both sides of a launch agree on, in one table per program: the structs, and the parameters of every kernel.
 //!
 //! A kernel's head is written from this table, and its launch takes its arguments by the same names and types: a
 //! mismatch between host and kernel does not compile on one side or the other. How much a launch moves at least is
@@ -124,7 +124,7 @@ macro_rules! records {
             }
         )*
         /// The structs, as typedefs of C.
-        pub(super) fn record_definitions() -> String {
+        pub(in crate::gpu) fn record_definitions() -> String {
             let mut text = String::new();
             $(
                 text += "typedef struct {\n";
@@ -135,7 +135,7 @@ macro_rules! records {
         }
         /// Name and size of every struct.
         #[cfg(test)]
-        pub(super) fn record_sizes() -> Vec<(&'static str, usize)> {
+        pub(in crate::gpu) fn record_sizes() -> Vec<(&'static str, usize)> {
             vec![$((stringify!($name), size_of::<$name>())),*]
         }
     };
@@ -236,11 +236,11 @@ records! {
         end_piece: u32,
         padding: u32,
     }
-    /// A straight piece of a ramp or of a course: it holds from a time on until another.
+    /// A straight piece of a ramp, a course or a table: it holds from a time or temperature on until another.
     Piece {
-        /// s.
+        /// s or K.
         from: f64,
-        /// s.
+        /// s or K.
         until: f64,
         /// Two points of the line.
         start: f64,
@@ -250,6 +250,18 @@ records! {
         /// Which of the nine numbers of a constraint a ramp is about.
         number: u32,
         padding: u32,
+    }
+    /// Pieces of a table over temperature.
+    Tabled {
+        first_piece: u32,
+        end_piece: u32,
+    }
+    /// Pieces of the factors on stiffness and strength of the bonds of a pair of materials.
+    Factors {
+        stiffness: u32,
+        end_stiffness: u32,
+        strength: u32,
+        end_strength: u32,
     }
     /// What a material is to heat.
     Thermal {
@@ -321,20 +333,35 @@ records! {
 
 /// A launch: a kernel and its arguments.
 pub(crate) trait Call<M> {
+    /// What the kernel is a part of.
+    type Program;
     /// The kernel's name.
     const NAME: &'static str;
     /// Work-items of a group.
     const GROUP: usize;
     /// The arguments, in the order of the head.
     fn arguments(&self) -> Vec<Argument<'_, M>>;
-    /// What it moves at least in this variant, if nothing halts it.
-    fn traffic(&self, variant: &Variant) -> Traffic;
+    /// What it moves at least in this variant of the program, if nothing halts it.
+    fn traffic(&self, program: &Self::Program) -> Traffic;
 }
 
 /// How a kernel of the table is written in C.
 pub(super) struct Head {
     pub(super) name: &'static str,
     pub(super) text: String,
+}
+
+/// Skeletons with the heads of their kernels.
+///
+/// # Panics
+/// If a kernel of the table is not written exactly once.
+pub(super) fn with_heads(mut skeletons: String, heads: &[Head]) -> String {
+    for head in heads {
+        let marker = format!("\nkernel {}\n", head.name);
+        assert_eq!(skeletons.matches(&marker).count(), 1, "kernel {} is written once", head.name);
+        skeletons = skeletons.replace(&marker, &format!("\n{}\n", head.text));
+    }
+    skeletons
 }
 
 macro_rules! parameter {
@@ -399,28 +426,29 @@ macro_rules! used_by {
 }
 
 macro_rules! kernels {
-    ($($(#[$about:meta])* $kernel:ident as $call:ident($group:literal, $groups:literal) {
+    (of $program:ty; $($(#[$about:meta])* $kernel:ident as $call:ident($group:literal, $groups:literal) {
         $($parameter:ident: $use:ident $type:ty $(where $variants:expr)?),* $(,)?
     })*) => {
         $(
             $(#[$about])*
             pub(crate) struct $call<'a, M> { $(pub(crate) $parameter: field_type!($use $type, 'a, M)),* }
             impl<M> Call<M> for $call<'_, M> {
+                type Program = $program;
                 const NAME: &'static str = stringify!($kernel);
                 const GROUP: usize = $group;
                 fn arguments(&self) -> Vec<Argument<'_, M>> {
                     vec![$(argument!($use, self.$parameter)),*]
                 }
-                fn traffic(&self, variant: &Variant) -> Traffic {
-                    let parameters: Vec<(fn(&Variant) -> bool, Traffic)> =
+                fn traffic(&self, program: &$program) -> Traffic {
+                    let parameters: Vec<(fn(&$program) -> bool, Traffic)> =
                         vec![$((used_by!($($variants)?), traffic!($use, self.$parameter))),*];
-                    let used = parameters.into_iter().filter(|(used_by, _)| used_by(variant));
+                    let used = parameters.into_iter().filter(|(used_by, _)| used_by(program));
                     used.map(|(_, traffic)| traffic).sum()
                 }
             }
         )*
         /// Every kernel's head: `KERNEL(threads, groups) name(parameters)`.
-        pub(super) fn heads() -> Vec<Head> {
+        pub(in crate::gpu) fn heads() -> Vec<Head> {
             vec![$({
                 let parameters = [$(parameter!($use $type, $parameter)),*];
                 Head {
@@ -439,6 +467,7 @@ macro_rules! kernels {
 }
 
 kernels! {
+    of Variant;
     /// See `kernels/predict.cl`.
     predict as Predict(128, 4) {
         step: value Step, status: shared u32,
@@ -449,15 +478,15 @@ kernels! {
         walls: read Wall, wall_place: shared Quad, wall_reference: read Quad,
         kick_by_half: write Quad, twist_by_half: write Quad, orientation: update Quad,
         temperature: update f64, reference_radius: read f64, listed_radius: read f64, thermals: read Thermal,
-        exposure: read u32, exposures: read Exposure, heat_accounts: seldom Quad,
-        work_per_kelvin: read f64, warming: write f64,
+        exposure: read u32, exposures: read Exposure, specific_heats: read Tabled,
+        heat_accounts: seldom Quad, work_per_kelvin: read f64, warming: write f64,
     }
     /// See `kernels/bond.cl`.
     bond as EvaluateBonds(128, 4) {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad where |v| v.bonds_move(), spin: read Quad where |v| v.bonds_move(),
         orientation: read Quad where |v| !v.bonds_remember(), bonded_place: read Quad where |v| !v.bonds_remember(),
-        kind: read u32 where |v| !v.one_bond || v.links_by_material(), interactions: seldom Pair,
+        kind: read u32 where |v| !v.one_bond || v.links_by_material() || v.tempers_pairs(), interactions: seldom Pair,
         joints: read JointOf where |v| !v.alike_bonds, beams: read Beam where |v| v.alike_bonds && !v.one_bond,
         slice: seldom u32, other: seldom u32, bond_other: seldom u32, bond_ends: amend u32, bond_length: read f64,
         bond_strength: read f64, bond_history: update f64, reaction: write Vector, bond_lost: write f64,
@@ -466,6 +495,7 @@ kernels! {
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32 where |v| v.bounded,
         exposures: read Exposure where |v| v.bounded, bond_flow: write f64, bond_work: write f64,
+        pieces: read Piece where |v| v.tempers_pairs(), conductivities: read Tabled, factors: read Factors,
     }
     /// See `kernels/contact.cl`.
     contact as Contact(128, 3) {
@@ -473,7 +503,7 @@ kernels! {
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
         kind: read u32 where |v| {
             !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material()
-                || v.heat.is_some() && !v.one_conductor
+                || v.heat.is_some() && !v.one_conductor || v.tempers_pairs()
         },
         rank: read u32 where |v| v.ledger,
         interactions: read Pair where |v| !v.one_pair,
@@ -492,6 +522,7 @@ kernels! {
         temperature: read f64, reference_radius: read f64 where |v| v.bonds_by_radius() && !v.bonds_apart,
         thermals: read Thermal where |v| !v.alike_links, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        conductivities: read Tabled, factors: read Factors,
         heat_accounts: seldom Quad, work_per_kelvin: write f64, warming: read f64,
     }
     /// See `kernels/correct.cl`.
@@ -523,6 +554,7 @@ kernels! {
         temperature: read f64, next_temperature: write f64, reference_radius: read f64, listed_radius: read f64,
         thermals: read Thermal, conductors: read ConductorOf where |v| !v.one_conductor,
         links: read LinkOf where |v| !v.one_link, exposure: read u32, exposures: read Exposure, exchanges: read Exchanging,
+        conductivities: read Tabled, specific_heats: read Tabled, factors: read Factors,
     }
     /// See `kernels/bond.cl`.
     take_bonds as TakeBonds(128, 4) {
@@ -603,6 +635,9 @@ kernels! {
     }
 }
 
+/// The table of heat alone.
+pub(super) mod network;
+
 #[cfg(test)]
 mod tests {
     use super::super::devices::open_opencl;
@@ -614,6 +649,7 @@ mod tests {
     #[test]
     fn structs_are_as_large_in_kernels_as_here() {
         let mut sizes = record_sizes();
+        sizes.extend(network::record_sizes());
         sizes.extend([
             (Pair::NAME, size_of::<Pair>()),
             (Beam::NAME, size_of::<Beam>()),
@@ -626,6 +662,7 @@ mod tests {
             (Quad::NAME, size_of::<Quad>()),
         ]);
         let mut source = print::types() + &print::bond_types() + &print::heat_types() + &record_definitions();
+        source += &network::record_definitions();
         source += "KERNEL(64, 1) sizes(GLOBAL u32 *RESTRICT size)\n{\n    FOR_EACH(i, 1u) {\n";
         for (k, (name, _)) in sizes.iter().enumerate() {
             let _ = writeln!(source, "        size[{k}] = (u32)sizeof({name});");

@@ -1,7 +1,7 @@
 //! Typed buffers, and a queue that runs the kernels of the table.
 
 use super::layout::{Call, InC};
-use super::program::Variant;
+use super::program::{Program, Variant};
 use super::runtime::{Argument, Error, Fetch, Runtime};
 use super::traffic::Traffic;
 use std::cell::RefCell;
@@ -67,9 +67,9 @@ impl<T, M> Drop for Buffer<T, M> {
 }
 
 /// A device's queue and the kernels built for a run.
-pub(crate) struct Queue<R: Runtime> {
+pub(crate) struct Queue<R: Runtime, P = Variant> {
     runtime: R,
-    variant: Variant,
+    program: P,
     kernels: BTreeMap<&'static str, R::Kernel>,
     total: Arc<AtomicUsize>,
     /// What was launched since a profile began, while one is taken.
@@ -83,13 +83,13 @@ pub(super) struct Launched<S> {
     pub(super) span: S,
 }
 
-impl<R: Runtime> Queue<R> {
-    /// Builds the kernels of a variant.
-    pub(super) fn new(runtime: R, variant: Variant) -> Result<Self, Error> {
-        let names = variant.kernels();
-        let built = runtime.build(&variant.source(), &names)?;
+impl<R: Runtime, P: Program> Queue<R, P> {
+    /// Builds the kernels of a program.
+    pub(super) fn new(runtime: R, program: P) -> Result<Self, Error> {
+        let names = program.kernels();
+        let built = runtime.build(&program.source(), &names)?;
         let kernels = names.into_iter().zip(built).collect();
-        Ok(Queue { runtime, variant, kernels, total: Arc::default(), record: RefCell::default() })
+        Ok(Queue { runtime, program, kernels, total: Arc::default(), record: RefCell::default() })
     }
     /// Bytes of all buffers together.
     pub(crate) fn bytes(&self) -> usize {
@@ -138,11 +138,11 @@ impl<R: Runtime> Queue<R> {
         self.fetch(buffer, len)?.take()
     }
     /// Runs a kernel for at least so many work-items.
-    pub(crate) fn run<C: Call<R::Memory>>(&self, call: &C, items: usize) -> Result<(), Error> {
+    pub(crate) fn run<C: Call<R::Memory, Program = P>>(&self, call: &C, items: usize) -> Result<(), Error> {
         self.run_groups(call, items.div_ceil(C::GROUP))
     }
     /// Runs a kernel in so many groups.
-    pub(crate) fn run_groups<C: Call<R::Memory>>(&self, call: &C, groups: usize) -> Result<(), Error> {
+    pub(crate) fn run_groups<C: Call<R::Memory, Program = P>>(&self, call: &C, groups: usize) -> Result<(), Error> {
         let arguments: Vec<Argument<'_, R::Memory>> = call.arguments();
         let (kernel, groups) = (&self.kernels[C::NAME], groups.max(1));
         match &mut *self.record.borrow_mut() {
@@ -155,8 +155,8 @@ impl<R: Runtime> Queue<R> {
         }
     }
     /// What a launch moves at least.
-    pub(super) fn traffic<C: Call<R::Memory>>(&self, call: &C) -> Traffic {
-        call.traffic(&self.variant)
+    pub(super) fn traffic<C: Call<R::Memory, Program = P>>(&self, call: &C) -> Traffic {
+        call.traffic(&self.program)
     }
     /// From here on launches are timed and recorded.
     pub(super) fn begin_record(&mut self) -> Result<(), Error> {

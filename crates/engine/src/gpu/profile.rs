@@ -2,6 +2,7 @@
 
 use super::layout::heads;
 use super::memory::{Launched, Queue};
+use super::program::Program;
 use super::run::Gpu;
 use super::runtime::{Error, Runtime, Span};
 use super::traffic::Touching;
@@ -48,7 +49,7 @@ impl<R: Runtime> Gpu<R> {
     }
 }
 
-impl<R: Runtime> Queue<R> {
+impl<R: Runtime, P: Program> Queue<R, P> {
     /// Bytes per second, read and written, of copies of as much as there is room for.
     pub(super) fn copy_bandwidth(&self) -> Result<f64, Error> {
         let mut bytes = COPY_BYTES;

@@ -8,6 +8,14 @@ use tdem_physics::contact::Friction;
 use tdem_physics::heat::{Link, Path};
 use tdem_physics::{bond, print};
 
+/// Kernels that are built together.
+pub(crate) trait Program {
+    /// The names of the kernels.
+    fn kernels(&self) -> Vec<&'static str>;
+    /// The whole text but the prelude.
+    fn source(&self) -> String;
+}
+
 /// What is decided when the kernels are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the source, and they are independent")]
@@ -59,6 +67,16 @@ pub(crate) struct Variant {
     pub(crate) alike_links: bool,
     /// Whether there is only one kind of them.
     pub(crate) one_link: bool,
+    /// Whether conductivities depend on temperature.
+    pub(crate) conductivity_tables: bool,
+    /// Whether specific heats do.
+    pub(crate) specific_heat_tables: bool,
+    /// Whether the numbers of bonds do.
+    pub(crate) bond_tables: bool,
+    /// Whether the ledger follows the work that expansion and softening do on springs.
+    pub(crate) expansion_work: bool,
+    /// Whether stiffnesses of bonds depend on temperature.
+    pub(crate) softens: bool,
 }
 
 /// What all contacts that particles of this state can have are told, if it is the same for all.
@@ -123,6 +141,11 @@ impl Variant {
             one_conductor: heat.is_some_and(|heat| only_of_pairs(plan, state, |a, b| heat.conductor(a, b)).is_some()),
             alike_links: alike_links.is_some(),
             one_link: alike_links.is_some_and(|table| only_link(&table).is_some()),
+            conductivity_tables: heat.is_some_and(|heat| !heat.tables.conductivity.is_empty()),
+            specific_heat_tables: heat.is_some_and(|heat| !heat.tables.specific_heat.is_empty()),
+            expansion_work: plan.books_expansion(),
+            softens: !state.bonds.is_empty() && plan.softens(),
+            bond_tables: !state.bonds.is_empty() && plan.bonds.as_ref().is_some_and(|bonds| !bonds.tables.is_empty()),
         }
     }
     /// Whether a step is one kernel.
@@ -149,6 +172,10 @@ impl Variant {
     pub(crate) fn links_by_material(&self) -> bool {
         self.bonds && self.heat.is_some() && !self.one_link
     }
+    /// Whether what acts between two particles depends on their temperature.
+    pub(crate) fn tempers_pairs(&self) -> bool {
+        self.conductivity_tables || self.bond_tables
+    }
     /// Whether the numbers of a bond are worked out from radii at the reference temperature.
     pub(crate) fn bonds_by_radius(&self) -> bool {
         self.bonds && self.expands && !(self.alike_bonds && self.alike_links)
@@ -161,8 +188,10 @@ impl Variant {
     pub(crate) fn friction(&self) -> bool {
         self.law.friction != Friction::Off
     }
-    /// The names of its kernels.
-    pub(crate) fn kernels(&self) -> Vec<&'static str> {
+}
+
+impl Program for Variant {
+    fn kernels(&self) -> Vec<&'static str> {
         let written = |name: &&str| match *name {
             "fused" => self.fused(),
             "bond" | "take_numbers" | "follow_ends" => self.bonds_apart,
@@ -172,11 +201,7 @@ impl Variant {
         };
         layout::heads().into_iter().map(|head| head.name).filter(written).collect()
     }
-    /// The whole text but the prelude.
-    ///
-    /// # Panics
-    /// If a kernel of the table is not written exactly once.
-    pub(crate) fn source(&self) -> String {
+    fn source(&self) -> String {
         let mut text = String::new();
         let switches = [
             ("FRICTION", self.friction()),
@@ -203,12 +228,16 @@ impl Variant {
             ("HEAT_THROUGH_CONTACTS", self.heat.is_some_and(|path| path != Path::Closed)),
             ("EXPANDS", self.expands),
             ("MAKES_HEAT", self.makes_heat),
-            ("EXPANSION_WORK", self.ledger && self.expands),
+            ("EXPANSION_WORK", self.expansion_work),
+            ("SOFTENING_WORK", self.expansion_work && self.softens),
             ("EXPOSED", self.exposed),
             ("BOUNDED", self.bounded),
             ("ONE_CONDUCTOR", self.one_conductor),
             ("ALIKE_LINKS", self.alike_links),
             ("ONE_LINK", self.one_link),
+            ("CONDUCTIVITY_TABLES", self.conductivity_tables),
+            ("SPECIFIC_HEAT_TABLES", self.specific_heat_tables),
+            ("BOND_TABLES", self.bond_tables),
             ("CONTACTS_BESIDE_BONDS", self.contacts_beside_bonds()),
         ];
         for (name, on) in switches {
@@ -239,11 +268,6 @@ impl Variant {
             skeletons.push('\n');
             skeletons += file;
         }
-        for head in layout::heads() {
-            let marker = format!("\nkernel {}\n", head.name);
-            assert_eq!(skeletons.matches(&marker).count(), 1, "kernel {} is written once", head.name);
-            skeletons = skeletons.replace(&marker, &format!("\n{}\n", head.text));
-        }
-        text + &skeletons
+        text + &layout::with_heads(skeletons, &layout::heads())
     }
 }

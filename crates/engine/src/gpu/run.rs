@@ -255,6 +255,7 @@ impl<R: Runtime> Gpu<R> {
                 thermals: &self.heat.thermals,
                 exposure: &self.heat.exposure,
                 exposures: &self.heat.exposures,
+                specific_heats: &self.heat.specific_heats,
                 heat_accounts: &self.heat.accounts,
                 work_per_kelvin: &self.heat.work_per_kelvin,
                 warming: &self.heat.warming,
@@ -320,6 +321,9 @@ impl<R: Runtime> Gpu<R> {
             links: &self.heat.links,
             bond_flow: &bonds.apart.flow,
             bond_work: &bonds.apart.work,
+            pieces: &self.constants.pieces,
+            conductivities: &self.heat.conductivities,
+            factors: &self.heat.factors,
         }
     }
 
@@ -370,6 +374,8 @@ impl<R: Runtime> Gpu<R> {
                 exposure: &self.heat.exposure,
                 exposures: &self.heat.exposures,
                 exchanges: &self.heat.exchanges,
+                conductivities: &self.heat.conductivities,
+                factors: &self.heat.factors,
                 heat_accounts: &self.heat.accounts,
                 work_per_kelvin: &self.heat.work_per_kelvin,
                 warming: &self.heat.warming,
@@ -458,6 +464,9 @@ impl<R: Runtime> Gpu<R> {
             exposure: &self.heat.exposure,
             exposures: &self.heat.exposures,
             exchanges: &self.heat.exchanges,
+            conductivities: &self.heat.conductivities,
+            specific_heats: &self.heat.specific_heats,
+            factors: &self.heat.factors,
         }
     }
 

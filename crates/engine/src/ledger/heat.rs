@@ -9,7 +9,7 @@ use crate::{Plan, State};
 pub struct HeatLedger {
     /// Time of the heat, s.
     pub time: f64,
-    /// $\sum mc(T - T_0)$ less that at the start, J; where heat goes along with the motion, what is under way into the next
+    /// $\sum mc(T - T_0)$, or $\sum m\int_{T_0}^Tc\,dT$, less that at the start, J; where heat goes along with the motion, what is under way into the next
     /// step is included.
     pub stored: f64,
     /// Came in through surfaces and walls and by prescribed temperatures since the start, J.
@@ -54,14 +54,15 @@ impl HeatLedger {
 }
 
 impl State {
-    /// $\sum mc(T - T_0)$, J; 0 without heat. Where heat goes along with the motion, with what is under way into the next
+    /// $\sum m\int_{T_0}^Tc\,dT$, J; 0 without heat. Where heat goes along with the motion, with what is under way into the next
     /// step: accounts are booked with heat rates, which that step follows.
     pub(crate) fn heat(&self, plan: &Plan) -> f64 {
         let Some(heat) = &plan.heat else { return 0.0 };
         let step = if heat.motion.takes_turns() { 0.0 } else { plan.heat_step() };
         let [total] = sum(self.len(), |i| {
-            let capacity = self.mass[i] * heat.materials[usize::from(self.material[i])].specific_heat;
-            [capacity * (self.temperature[i] - heat.reference_temperature) + self.heat_rate[i] * step]
+            let (material, reference) = (self.material[i], heat.reference_temperature);
+            let warmth = heat.heat_between(material, self.mass[i], reference, self.temperature[i]);
+            [warmth + self.heat_rate[i] * step]
         });
         total
     }

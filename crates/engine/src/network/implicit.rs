@@ -1,30 +1,17 @@
 //! A step of the backward rule of Euler: the temperatures of its end by conjugate gradients.
 //!
-//! With $C = mc$, the changes $\delta$ of the temperatures solve
-//!
-//! $$\Big(\frac{C_i}{\Delta t} + K_i\Big)\delta_i + \sum_j H_{ij}(\delta_i - \delta_j) = Q_i$$
-//!
-//! where $Q$ are the heat rates at the temperatures of the beginning, prescribed ones being those of the end, and $K$ is
-//! [`Exchange::sensitivity`](tdem_physics::heat::Exchange::sensitivity), walls included. The matrix is never stored; it is
-//! preconditioned by its diagonal.
+//! [`tdem_physics::heat::implicit`] has the equations. The matrix is never stored; it is preconditioned by its diagonal.
 
-use super::{CHUNK, Network, Rates, Surroundings};
+use super::{CHUNK, Network, Rates, Stuck, Surroundings};
 use crate::HeatPlan;
 use crate::ledger::sum;
 use rayon::prelude::*;
+use tdem_physics::heat::implicit::{balance, foreign_at_end, held, residual_squares, square};
 
 /// Of the temperatures: so far, in the mean, may the solution be from what the balance of heat says.
-const TOLERANCE: f64 = 1e-12;
+pub(crate) const TOLERANCE: f64 = 1e-12;
 /// Iterations beyond which it is given up.
-const MOST_ITERATIONS: u64 = 20_000;
-
-/// Why there is no solution.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Stuck {
-    pub(crate) iterations: u64,
-    /// How far temperatures are from the balance of heat, in the mean, K.
-    pub(crate) error: f64,
-}
+pub(crate) const MOST_ITERATIONS: u64 = 20_000;
 
 /// The matrix of a step, without the rows of prescribed temperatures.
 struct Matrix<'a> {
@@ -41,7 +28,8 @@ impl Matrix<'_> {
     /// What it makes of a vector that is zero where temperatures are prescribed.
     fn times(&self, vector: &[f64], product: &mut [f64]) {
         product.par_iter_mut().with_min_len(CHUNK).enumerate().for_each(|(i, product)| {
-            *product = if self.free[i] { self.held[i] * vector[i] - self.network.conducted(i, vector) } else { 0.0 };
+            let free = self.free[i];
+            *product = if free { balance(self.held[i], vector[i], self.network.conducted(i, vector)) } else { 0.0 };
         });
     }
 }
@@ -51,10 +39,10 @@ impl Network {
     /// them. Temperatures that follow these rates keep the balance of heat to rounding.
     ///
     /// # Errors
-    /// The temperatures $T_n + \Delta t\,Q/C$ that follow from the rates differ from the solution by
+    /// The temperatures $T_n + \Delta t\,Q/C$ that follow from the rates differ from those of the last iteration by
     /// $\epsilon_i = \Delta t\,r_i/C_i$ with the residual $r$. Iterations end where
-    /// $\sum C\epsilon^2 \le (10^{-12})^2\sum CT^2$: at 300 K, 3e-10 K in the mean. What the solution itself lacks is less,
-    /// by the same norm. Rounding adds about $10^{-16}\,T\,\Delta t\sum H/C$.
+    /// $\sum C\epsilon^2 \le (10^{-12})^2\sum CT^2$: at 300 K, 3e-10 K in the mean. The exact solution lies between: no
+    /// farther from either, by the same norm. Rounding adds about $10^{-16}\,T\,\Delta t\sum H/C$.
     pub(crate) fn implicit(
         &self,
         temperature: &[f64],
@@ -68,7 +56,7 @@ impl Network {
         let mut end: Vec<f64> = (0..n).map(|i| prescribed(i).unwrap_or(temperature[i])).collect();
         let beginning = self.rates(&end, exposure, heat, around);
         let loss = each(n, |i| self.sensitivity(i, end[i], exposure[i], heat, around));
-        let held = each(n, |i| self.capacity[i] / step + loss[i]);
+        let held = each(n, |i| held(self.capacity[i], step, loss[i]));
         let diagonal = each(n, |i| held[i] + (self.contacts.sum(i) + self.bonds.sum(i)));
         let free = (0..n).map(|i| prescribed(i).is_none()).collect();
         let matrix = Matrix { network: self, free, held, diagonal };
@@ -78,14 +66,10 @@ impl Network {
         let mut way = each(n, |i| residual[i] / matrix.diagonal[i]);
         let mut product = vec![0.0; n];
         // The square of the preconditioned residual, and of the temperatures that it stands for, by capacities.
-        let squares = |residual: &[f64]| {
-            sum(n, |i| {
-                let kelvins = residual[i] * (step / self.capacity[i]);
-                [residual[i] * (residual[i] / matrix.diagonal[i]), self.capacity[i] * (kelvins * kelvins)]
-            })
-        };
-        let [content, capacity] = sum(n, |i| [self.capacity[i] * (temperature[i] * temperature[i]), self.capacity[i]]);
-        let [mut square, mut error] = squares(&residual);
+        let squares =
+            |residual: &[f64]| sum(n, |i| residual_squares(residual[i], matrix.diagonal[i], self.capacity[i], step));
+        let [content, capacity] = sum(n, |i| [square(self.capacity[i], temperature[i]), self.capacity[i]]);
+        let [mut missing, mut error] = squares(&residual);
         let mut iterations = 0;
         while error > TOLERANCE * TOLERANCE * content {
             matrix.times(&way, &mut product);
@@ -93,12 +77,12 @@ impl Network {
             if iterations == MOST_ITERATIONS || work.is_nan() || work <= 0.0 {
                 return Err(Stuck { iterations, error: (error / capacity).sqrt() });
             }
-            let part = square / work;
+            let part = missing / work;
             advance(&mut change, &way, part);
             advance(&mut residual, &product, -part);
-            let before = square;
-            [square, error] = squares(&residual);
-            let turn = square / before;
+            let before = missing;
+            [missing, error] = squares(&residual);
+            let turn = missing / before;
             way.par_iter_mut()
                 .with_min_len(CHUNK)
                 .enumerate()
@@ -110,7 +94,7 @@ impl Network {
             return Err(Stuck { iterations, error });
         }
         end.iter_mut().zip(&change).for_each(|(end, change)| *end += change);
-        let foreign = each(n, |i| beginning.foreign[i] - loss[i] * change[i]);
+        let foreign = each(n, |i| foreign_at_end(beginning.foreign[i], loss[i], change[i]));
         let total = each(n, |i| self.conducted(i, &end) + foreign[i]);
         Ok((Rates { total, foreign }, iterations))
     }

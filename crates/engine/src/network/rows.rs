@@ -1,6 +1,8 @@
 //! What conducts to each particle, row by row.
 
+use super::CHUNK;
 use rayon::prelude::*;
+use std::ops::Range;
 use tdem_physics::heat::conduction::flow;
 
 /// Conductances between particles, or between particles and walls, `L` of them as seen from their particles.
@@ -14,6 +16,8 @@ pub(super) struct Rows {
     other: Vec<u32>,
     /// W/K, `(L)`.
     conductance: Vec<f64>,
+    /// The same with a conductivity of 1 W/(m K), `(L)`; empty where no conductivity depends on temperature.
+    unit: Vec<f64>,
 }
 
 /// A pair of particles that conducts: indices, the lower id first, and conductance, W/K.
@@ -60,7 +64,7 @@ impl Rows {
             start[particle + 1] += start[particle];
         }
         let entries = start[particles];
-        Rows { start, other: vec![0; entries], conductance: vec![0.0; entries] }
+        Rows { start, other: vec![0; entries], conductance: vec![0.0; entries], unit: Vec::new() }
     }
     fn place(&mut self, next: &mut [usize], owner: u32, other: u32, conductance: f64) {
         let place = &mut next[owner as usize];
@@ -68,12 +72,36 @@ impl Rows {
         *place += 1;
     }
 
+    /// Whatever conductances are now is what they are with a conductivity of 1 W/(m K).
+    pub(super) fn depend_on_temperature(&mut self) {
+        self.unit.clone_from(&self.conductance);
+    }
+    /// Conductances of the present moment, from particle, other and conductance with a conductivity of 1 W/(m K).
+    pub(super) fn temper(&mut self, conductance: impl Fn(usize, usize, f64) -> f64 + Sync + Send) {
+        let Rows { start, other, conductance: now, unit } = self;
+        let mut rest = &mut now[..];
+        let rows: Vec<_> = start.windows(2).map(|row| rest.split_off_mut(..row[1] - row[0])).collect();
+        rows.into_par_iter().with_min_len(CHUNK).enumerate().for_each(|(particle, row)| {
+            for (now, place) in row.into_iter().flatten().zip(start[particle]..) {
+                *now = conductance(particle, other[place] as usize, unit[place]);
+            }
+        });
+    }
+
     #[inline(always)]
-    fn row(&self, particle: usize) -> impl Iterator<Item = (usize, f64)> {
-        let range = match self.start.get(particle..particle + 2) {
+    fn range(&self, particle: usize) -> Range<usize> {
+        match self.start.get(particle..particle + 2) {
             Some(&[from, to]) => from..to,
             _ => 0..0,
-        };
+        }
+    }
+    /// How many conduct to a particle.
+    pub(super) fn count(&self, particle: usize) -> usize {
+        self.range(particle).len()
+    }
+    #[inline(always)]
+    pub(super) fn row(&self, particle: usize) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.range(particle);
         self.other[range.clone()].iter().map(|&other| other as usize).zip(self.conductance[range].iter().copied())
     }
     /// Sum of the heat rates into a particle of one temperature from others, W.
@@ -87,7 +115,10 @@ impl Rows {
         self.row(particle).fold(0.0, |sum, (_, conductance)| sum + conductance)
     }
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&self.start[..]) + size_of_val(&self.other[..]) + size_of_val(&self.conductance[..])
+        size_of_val(&self.start[..])
+            + size_of_val(&self.other[..])
+            + size_of_val(&self.conductance[..])
+            + size_of_val(&self.unit[..])
     }
 }
 

@@ -36,11 +36,12 @@ impl Span {
 ///
 /// So the explicit scheme has the values of a step of the motion, and with the implicit one a body follows outside
 /// temperatures that change evenly without a lag of the step, and a flux that does brings what it says.
+#[derive(Default)]
 pub(crate) struct Surroundings {
     /// Temperatures of walls, K, `(walls)`; those of insulated ones are not used.
-    pub(super) walls: Vec<f64>,
+    pub(crate) walls: Vec<f64>,
     /// Outside values of the exchanges of each exposure; none where temperatures are prescribed.
-    pub(super) outside: Vec<Vec<Outside<f64>>>,
+    pub(crate) outside: Vec<Vec<Outside<f64>>>,
     /// Prescribed temperatures of each exposure, K.
     pub(crate) prescribed: Vec<Option<f64>>,
 }

@@ -12,7 +12,7 @@ const WARMTH: f64 = 1.0;
 
 /// A plan of the motion alone: temperatures are there, because bodies expand, but no heat flows. Where nothing moves a step
 /// takes no time.
-pub(super) fn without_heat(plan: &Plan) -> Plan {
+pub(crate) fn without_heat(plan: &Plan) -> Plan {
     let still = |heat: &HeatPlan| HeatPlan {
         time_scale: 0.0,
         contacts: Path::Closed,
@@ -47,15 +47,16 @@ impl Staggered {
 
     /// Lets radii follow temperatures before anything moves, and books what that put into springs, from their energy before
     /// temperatures changed. The account is one of all particles; it is kept with the first.
-    pub(super) fn expand(&mut self, before: Option<f64>) {
+    pub(super) fn expand(&mut self, before: Option<f64>) -> Result<(), Fault> {
         if relaxation(&self.plan).is_none() {
-            return;
+            return Ok(());
         }
+        self.state.temperature = self.field.temperatures()?;
         self.shrunk = self.state.follow_temperatures(&self.plan);
-        let now = before.map(|before| elastic_energy(&self.state, &self.plan) - before);
-        if let (Some(work), Some(account)) = (now, self.state.heat_accounts.first_mut()) {
-            account[EXPANSION] += work;
+        if let Some(before) = before {
+            self.field.book(EXPANSION, elastic_energy(&self.state, &self.plan) - before);
         }
+        Ok(())
     }
 
     /// Lets particles move until they are at rest under the present temperatures. Whether anything may have moved.
@@ -65,8 +66,7 @@ impl Staggered {
         let Some(relaxation) = relaxation(&self.plan) else { return Ok(false) };
         let mut plan = without_heat(&self.plan);
         let begun = self.state.step;
-        let mut state = std::mem::take(&mut self.state);
-        let (temperature, heat_accounts) = (state.temperature.clone(), std::mem::take(&mut state.heat_accounts));
+        let state = std::mem::take(&mut self.state);
         // Pairs that touched are listed although they have shrunk: the contact stage closes their histories.
         plan.search.skin = plan.search.skin.max(2.001 * self.shrunk);
         let pool = Arc::clone(&self.pool);
@@ -104,7 +104,8 @@ impl Staggered {
             breakage.step = breakage.step.min(begun + 1);
         }
         self.state.step = begun;
-        (self.state.temperature, self.state.heat_accounts) = (temperature, heat_accounts);
+        // They are kept where heat flows.
+        self.state.heat_accounts = Vec::new();
         Ok(true)
     }
 }
@@ -117,13 +118,10 @@ fn thermal_force(state: &State, plan: &Plan) -> f64 {
 
 /// The same of one bond; `None` if it has no numbers.
 fn thermal_force_of(state: &State, plan: &Plan, bond: usize) -> Option<f64> {
-    let law = plan.bonds.as_ref()?.law;
     let (i, j) = (state.index_of(state.bonds[bond].first)?, state.index_of(state.bonds[bond].second)?);
     let offset = state.bonded_offset(plan, i, j);
     let length = offset.dot(offset).sqrt();
-    let [first, second] = [i, j].map(|index| state.bonded_sphere(index));
-    let joint = plan.joint(state.material[i], state.material[j])?;
-    let stiffness = joint.bond_of_spheres(law.damping, &first, &second, length, 1.0).stiffness.normal;
+    let stiffness = state.bond_numbers(plan, [i, j], 1.0)?.stiffness.normal;
     let free_strain = state.link(plan, i, j)?.free_strain(WARMTH, WARMTH);
     Some((stiffness * free_strain * length).abs())
 }

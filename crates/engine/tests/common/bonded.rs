@@ -3,7 +3,7 @@
 use super::{DENSITY, plan, random, spheres, wall};
 use tdem_engine::physics::bond::{Cement, Damping, Form, Joint, Law};
 use tdem_engine::physics::contact;
-use tdem_engine::{Bond, BondPlan, Constraint, Integrator, Plan, State};
+use tdem_engine::{Bond, BondPlan, BondTables, Constraint, Integrator, Plan, State};
 
 pub(crate) const RADIUS: f64 = 5e-3;
 /// Of touching spheres.
@@ -23,7 +23,13 @@ pub(crate) const JOINT: Joint<f64> = Joint { cement: CEMENT, stiffness_per_area:
 pub(crate) const ELASTIC: Law = Law { form: Form::Total, damping: Damping::Off };
 
 pub(crate) fn bond_plan(law: Law, joint: Joint<f64>) -> BondPlan {
-    BondPlan { law, joints: vec![Some(joint)], contact_in_bonded_pairs: false, local_damping: 0.0 }
+    BondPlan {
+        law,
+        joints: vec![Some(joint)],
+        tables: BondTables::default(),
+        contact_in_bonded_pairs: false,
+        local_damping: 0.0,
+    }
 }
 
 /// A plan without gravity in a wide box.

@@ -10,7 +10,8 @@ use tdem_engine::physics::bond::{self, Cement, Joint};
 use tdem_engine::physics::contact::Law;
 use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
 use tdem_engine::{
-    Around, Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State, Thermal,
+    Around, BondTables, Course, Exposure, HeatPlan, Integrator, Motion, Plan, Relaxation, Scheme, Simulation, State,
+    Table, Thermal, ThermalTables,
 };
 
 pub(crate) const REFERENCE: f64 = 293.15;
@@ -27,6 +28,7 @@ pub(crate) fn heated(state: &mut State, plan: &mut Plan, expansion: f64) {
         reference_temperature: REFERENCE,
         materials: vec![Thermal { specific_heat: SPECIFIC_HEAT, expansion }; plan.materials],
         conductors: vec![conductor; plan.materials * plan.materials],
+        tables: ThermalTables::default(),
         contacts: Path::Bar,
         exposures: vec![Exposure::default()],
         sides: Vec::new(),
@@ -139,6 +141,32 @@ pub(crate) fn warm_block(law: bond::Law, integrator: Integrator, expansion: f64)
     (state, plan)
 }
 
+/// Lets everything that can depend on temperature do so: materials in turn, bonds of all pairs; stiffness only where bonds
+/// remember nothing.
+pub(crate) fn temper(plan: &mut Plan) {
+    let materials = plan.materials;
+    let conductivities =
+        [Table(vec![[280.0, 2.0], [350.0, 1.3], [480.0, 1.1]]), Table(vec![[300.0, 1.0], [310.0, 4.0], [450.0, 3.0]])];
+    let specific_heats = [
+        Table(vec![[300.0, 900.0], [340.0, 1000.0], [345.0, 2500.0], [350.0, 1000.0]]),
+        Table(vec![[250.0, 500.0], [700.0, 800.0]]),
+    ];
+    let heat = heat_of(plan);
+    heat.conductors.iter_mut().for_each(|conductor| conductor.conductivity = 1.0);
+    heat.tables = ThermalTables {
+        conductivity: (0..materials).map(|k| conductivities[k % 2].clone()).collect(),
+        specific_heat: (0..materials).map(|k| specific_heats[k % 2].clone()).collect(),
+    };
+    if let Some(bonds) = &mut plan.bonds {
+        let falling = |to: f64| Table(vec![[293.15, 1.0], [400.0, 0.5 * (1.0 + to)], [520.0, to]]);
+        let of_pairs = |to: f64| {
+            (0..materials * materials).map(|k| falling(if k % (materials + 1) == 0 { to } else { to - 0.1 })).collect()
+        };
+        let stiffness = if bonds.remembers() { Vec::new() } else { of_pairs(0.4) };
+        bonds.tables = BondTables { stiffness, strength: of_pairs(0.7) };
+    }
+}
+
 pub(crate) const NONE: Exchange<f64> = Exchange { flux_area: 0.0, conductance: 0.0, radiation: 0.0, resistance: 0.0 };
 
 /// The same with nothing moving, in steps of the heat.
@@ -184,6 +212,58 @@ pub(crate) fn heated_block() -> (State, Plan) {
     heat.exposures.push(Exposure { temperature: None, exchanges: vec![(film, Around::fluid(course))] });
     for i in 0..state.len() {
         state.exposure[i] = u16::from(state.position[i][2] > 3.4 * LATTICE_CONSTANT);
+    }
+    (state, plan)
+}
+
+/// More than two chunks of spheres of several sizes, temperatures and exposures, also prescribed ones, on a lattice that
+/// repeats in y and stands on a warm floor. Most neighbours are bonded, the others touch; nothing moves.
+pub(crate) fn still_lattice() -> (State, Plan) {
+    let cells = [9, 8, 8];
+    let mut plan = free_space(ELASTIC, JOINT);
+    (plan.domain.min, plan.domain.max[1]) = ([-0.1, 0.0, -0.1], cells[1] as f64 * LATTICE_CONSTANT);
+    plan.domain.periodic = [false, true, false];
+    plan.materials = 2;
+    plan.interactions = vec![plan.interactions[0]; 4];
+    plan.bonds.as_mut().expect("the plan has bonds").joints = vec![Some(JOINT); 4];
+    plan.walls = vec![super::wall("floor", [0.0, 0.0, 1.0], [0.0; 3])];
+    plan.constraints.push(CLAMPED);
+    let mut places = lattice(cells);
+    places.iter_mut().zip(0..).for_each(|((_, radius), k)| *radius *= 1.001 + 0.008 * random(15, k));
+    let mut state = spheres(&places, DENSITY);
+    state.wall_position = vec![[0.0, 0.0, -RADIUS]];
+    state.constraint.fill(1);
+    bond_neighbours(&mut state, &plan);
+    let mut count = 0;
+    state.bonds.retain(|_| {
+        count += 1;
+        count % 5 > 0
+    });
+    heated(&mut state, &mut plan, 0.0);
+    let conductor = |conductivity| Conductor { conductivity, section: 0.35 };
+    let heat = heat_of(&mut plan);
+    heat.materials[1].specific_heat *= 0.6;
+    heat.conductors = vec![conductor(1.5), conductor(2.1), conductor(2.1), conductor(3.5)];
+    heat.walls[0] = Some(Course(vec![[0.0, 300.0], [100.0, 900.0]]));
+    let flux = Exchange { flux_area: 2e-5, ..NONE };
+    let glow = Exchange { conductance: 1e-3, radiation: 5e-12, resistance: 30.0, ..NONE };
+    let open = |exchanges| Exposure { temperature: None, exchanges };
+    let cooling = Course(vec![[0.0, 900.0], [50.0, 600.0]]);
+    heat.exposures.extend([
+        open(vec![
+            (flux, Around::flux(Course(vec![[0.0, 1e5], [100.0, 4e5]]))),
+            (glow, Around { fluid: Some(cooling.clone()), surroundings: Some(cooling), ..Around::default() }),
+        ]),
+        Exposure {
+            temperature: Some(Course(vec![[0.0, 300.0], [80.0, 500.0]])),
+            exchanges: vec![(glow, Around::fluid(constant(900.0)))],
+        },
+        open(vec![(Exchange { conductance: 2e-3, ..NONE }, Around::fluid(constant(280.0)))]),
+    ]);
+    for i in 0..state.len() {
+        state.material[i] = u16::from(i % 3 == 0);
+        state.temperature[i] = 300.0 + 200.0 * random(16, i as u64);
+        state.exposure[i] = [0, 0, 1, 0, 2, 0, 0, 3, 0, 0, 0][i % 11];
     }
     (state, plan)
 }

@@ -200,6 +200,17 @@ impl<R: Real> Bond<R> {
     pub fn with_strength_times(self, factor: R) -> Self {
         Bond { tensile_strength: self.tensile_strength * factor, shear_strength: self.shear_strength * factor, ..self }
     }
+
+    /// The same bond at another temperature: all four stiffnesses and both strengths times their factors.
+    ///
+    /// # Validity
+    /// Stiffness for bonds that remember no forces only: a force that is remembered stays what it was when its spring
+    /// becomes softer. Dashpots keep their coefficients, and so does internal friction.
+    #[inline(always)]
+    #[must_use]
+    pub fn tempered(self, stiffness: R, strength: R) -> Self {
+        Bond { stiffness: self.stiffness.scaled(stiffness, stiffness), ..self.with_strength_times(strength) }
+    }
 }
 
 /// $\bar k_n = \bar E/L_0$, Pa/m, of a bond of Young's modulus $\bar E$ (Pa) and length $L_0$ (m). Potyondy & Cundall

@@ -115,6 +115,18 @@ fn through_contact<R: Real>(path: Path, conductor: &Conductor<R>, radius_sum: R,
     }
 }
 
+/// $H = \lambda_{12}H_1$, W/K, with the conductivities of both bodies at their mean temperature in [`pair_conductivity`], where
+/// they depend on it.
+///
+/// | argument | symbol | unit |
+/// |---|---|---|
+/// | `unit_conductance` | $H_1$, the conductance with a conductivity of 1 W/(m K) | W/K |
+/// | `first`, `second` | $\lambda_1(\bar T), \lambda_2(\bar T)$ | W/(m K) |
+#[inline(always)]
+pub fn tempered<R: Real>(unit_conductance: R, first: R, second: R) -> R {
+    unit_conductance * pair_conductivity(first, second)
+}
+
 /// $Q = H(T_2 - T_1)$, the heat rate into the first body, W.
 #[inline(always)]
 pub fn flow<R: Real>(conductance: R, first_temperature: R, second_temperature: R) -> R {

@@ -1,4 +1,4 @@
-//! Work that expansion does on springs.
+//! Work that expansion does on springs, and temperature where it changes their stiffness.
 //!
 //! Where a body that is held becomes warmer, its springs are strained although nothing moves. With $U$ the energy in all
 //! springs, the work in a step is $\int\sum_i\frac{\partial U}{\partial T_i}\,\mathrm dT_i$, which the ledger takes by the
@@ -25,6 +25,18 @@ use crate::Real;
 #[inline(always)]
 pub fn of_bond<R: Real>(growth: R, tension: R, bonded_length: R) -> R {
     -(growth * (tension * bonded_length))
+}
+
+/// $\partial U/\partial T_1 = \tfrac12\frac{f'}{f}U$ of a bond whose stiffness is multiplied by $f(\bar T)$, J/K: under the same
+/// deformation $U \propto f$, and $\bar T$ is the mean temperature of its two bodies.
+///
+/// | argument | symbol | unit |
+/// |---|---|---|
+/// | `energy` | $U$, in its springs | J |
+/// | `factor`, `slope` | $f, f'$ at $\bar T$ | 1, 1/K |
+#[inline(always)]
+pub fn of_softening<R: Real>(energy: R, factor: R, slope: R) -> R {
+    R::lit(0.5) * (slope / factor) * energy
 }
 
 /// $\partial U/\partial T = \alpha R_0\sum F_{el}$ of the contacts of a body, J/K.

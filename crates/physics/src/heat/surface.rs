@@ -61,6 +61,30 @@ impl<R: Real> Exchange<R> {
         (self.conductance + radiating) / (R::lit(1.0) + self.resistance * radiating)
     }
 
+    /// The same exchange through material of another conductivity, from one of 1 W/(m K), where conductivity depends on
+    /// temperature: with $r' = r/\lambda$ everything is multiplied by $\frac1{1 + (r' - r)G}$, so that
+    /// $1/G' = 1/G + r' - r$.
+    ///
+    /// | argument | symbol | unit |
+    /// |---|---|---|
+    /// | `conductivity` | $\lambda(T)$ at the temperature of the particle, positive | W/(m K) |
+    ///
+    /// # Validity
+    /// What lies between the centre and the surface conducts as at the centre, which is wrong to first order in the depth.
+    #[inline(always)]
+    #[must_use]
+    pub fn tempered(&self, conductivity: R) -> Self {
+        let resistance = self.resistance / conductivity;
+        let one = R::lit(1.0);
+        let part = one / (one + (resistance - self.resistance) * self.conductance);
+        Exchange {
+            flux_area: self.flux_area * part,
+            conductance: self.conductance * part,
+            radiation: self.radiation * part,
+            resistance,
+        }
+    }
+
     /// $wAq + G(T_\infty - T)$, W.
     #[inline(always)]
     fn linear(&self, temperature: R, outside: &Outside<R>) -> R {
@@ -214,6 +238,26 @@ mod tests {
         }
         let outside = Outside { flux: 1e4, ..Outside::default() };
         assert_eq!(Exchange { flux_area: 2e-3, ..NONE }.sensitivity(500.0, &outside), 0.0);
+    }
+
+    #[test]
+    fn an_exchange_through_a_better_conductor_is_that_of_the_better_conductor() {
+        let (area, depth, conductivity) = (4e-4, 2e-3, 1.7);
+        let resistance = |conductivity: f64| depth / (conductivity * area);
+        for film in [10.0, 500.0, f64::INFINITY] {
+            let of = |conductivity: f64| Exchange {
+                conductance: surface_conductance(area, depth, conductivity, film),
+                resistance: resistance(conductivity),
+                ..NONE
+            };
+            let (found, expected) = (of(1.0).tempered(conductivity), of(conductivity));
+            assert!((found.conductance / expected.conductance - 1.0).abs() < 1e-14, "{found:?} {expected:?}");
+            assert!((found.resistance / expected.resistance - 1.0).abs() < 1e-15);
+        }
+        let radiating = |conductivity| Exchange { radiation: 2e-11, resistance: resistance(conductivity), ..NONE };
+        assert_eq!(radiating(1.0).tempered(conductivity).radiation, 2e-11);
+        let plain = Exchange { flux_area: area, ..NONE };
+        assert_eq!(plain.tempered(conductivity), plain);
     }
 
     #[test]

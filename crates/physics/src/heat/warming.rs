@@ -21,6 +21,19 @@ pub fn warmed<R: Real>(temperature: R, heat_rate: R, capacity: R, step: R) -> R 
     temperature + heat_rate * (step / capacity)
 }
 
+/// $q = \frac{\Delta t}{m}Q$, J/kg: the heat per mass that a body takes in in a step, where its specific heat depends on
+/// temperature; [`super::table`] says how much warmer it becomes.
+///
+/// | argument | symbol | unit |
+/// |---|---|---|
+/// | `heat_rate` | $Q$, into the body | W |
+/// | `mass` | $m$ | kg |
+/// | `step` | $\Delta t$ of the heat | s |
+#[inline(always)]
+pub fn taken_in<R: Real>(heat_rate: R, mass: R, step: R) -> R {
+    heat_rate * (step / mass)
+}
+
 /// $\Delta t = mc/\sum H$, s: the longest explicit step in which a body is not carried beyond its neighbours.
 ///
 /// | argument | symbol | unit |

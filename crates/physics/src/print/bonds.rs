@@ -29,6 +29,23 @@ impl Formula for BondBetween {
     }
 }
 
+/// [`Bond::tempered`].
+#[derive(Clone, Copy, Debug)]
+pub struct BondTempered;
+
+impl Formula for BondTempered {
+    const NAME: &'static str = "bond_tempered";
+    const INPUTS: &'static [&'static str] = &["bond", "stiffness", "strength"];
+    const OUTPUTS: &'static [&'static str] = &["tempered"];
+    type Input<R: Real> = (Bond<R>, R, R);
+    type Output<R: Real> = (Bond<R>,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (bond, stiffness, strength): Self::Input<R>) -> Self::Output<R> {
+        (bond.tempered(stiffness, strength),)
+    }
+}
+
 /// [`Rest::of`].
 #[derive(Clone, Copy, Debug)]
 pub struct BondRest;

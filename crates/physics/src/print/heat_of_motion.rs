@@ -92,6 +92,23 @@ impl Formula for ExpansionWorkOfBond {
     }
 }
 
+/// [`expansion_work::of_softening`].
+#[derive(Clone, Copy, Debug)]
+pub struct SofteningWork;
+
+impl Formula for SofteningWork {
+    const NAME: &'static str = "softening_work";
+    const INPUTS: &'static [&'static str] = &["energy", "factor", "slope"];
+    const OUTPUTS: &'static [&'static str] = &["work_per_kelvin"];
+    type Input<R: Real> = (R, R, R);
+    type Output<R: Real> = (R,);
+
+    #[inline(always)]
+    fn apply<R: Real>(&self, (energy, factor, slope): Self::Input<R>) -> Self::Output<R> {
+        (expansion_work::of_softening(energy, factor, slope),)
+    }
+}
+
 /// [`expansion_work::of_contacts`].
 #[derive(Clone, Copy, Debug)]
 pub struct ExpansionWorkOfContacts;

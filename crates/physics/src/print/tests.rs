@@ -153,6 +153,16 @@ fn the_source_of_heat_holds_types_and_every_function_once() {
     assert!(heat_types().starts_with("typedef struct {\n    real conductivity;\n    real section;\n} Conductor;\n"));
 }
 
+#[test]
+fn the_source_of_heat_alone_needs_no_other() {
+    let source = network_source();
+    for (name, function) in network_functions() {
+        assert_eq!(source.matches(&format!(" {name}(")).count(), 1, "{name}");
+        assert!(source.contains(&function.text));
+    }
+    assert!(source.starts_with("typedef struct {\n    real flux_area;\n"));
+}
+
 fn source_of_mechanics() -> String {
     source(Law::GNTM) + &bond_source(bond::Law { form: Form::Total, damping: bond::Damping::Viscous })
 }

@@ -171,7 +171,9 @@ mod tests {
     use std::f64::consts::PI;
     use tdem_engine::physics::bond::{Cement, Damping, Failure, Form, Joint, Law};
     use tdem_engine::physics::contact;
-    use tdem_engine::{BondPlan, Constraint, Domain, Integrator, Ledger, Plan, Search, Simulation, State, cpu};
+    use tdem_engine::{
+        BondPlan, BondTables, Constraint, Domain, Integrator, Ledger, Plan, Search, Simulation, State, cpu,
+    };
 
     const RADIUS: f64 = 5e-3;
     const STIFFNESS_PER_AREA: f64 = 7.5e8;
@@ -210,6 +212,7 @@ mod tests {
             bonds: Some(BondPlan {
                 law: Law { form: Form::Total, damping: Damping::Off },
                 joints: vec![Some(joint)],
+                tables: BondTables::default(),
                 contact_in_bonded_pairs: false,
                 local_damping: 0.0,
             }),

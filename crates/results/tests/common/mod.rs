@@ -9,7 +9,7 @@ use std::path::Path;
 use tdem_engine::physics::bond::{self, Cement, Damping, Form, Joint};
 use tdem_engine::physics::contact::{Friction, Interaction, Law};
 use tdem_engine::{
-    Bond, BondPlan, Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu,
+    Bond, BondPlan, BondTables, Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu,
 };
 use tdem_results::{Control, Note, Observer, Progress, RunDirectory};
 
@@ -121,6 +121,7 @@ pub(crate) fn bonded() -> (State, Plan) {
     let bonds = BondPlan {
         law: bond::Law { form: Form::Total, damping: Damping::Viscous },
         joints: vec![Some(Joint { cement, stiffness_per_area: 2e7, young_modulus: 0.0 })],
+        tables: BondTables::default(),
         contact_in_bonded_pairs: false,
         local_damping: 0.0,
     };

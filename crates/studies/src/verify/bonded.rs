@@ -4,7 +4,7 @@ use super::scene::{Bench, Scene, Solid, solid};
 use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::{Bond as Numbers, Cement, Damping, Form, Joint, Law, Tension};
 use tdem_engine::physics::contact;
-use tdem_engine::{Bond, BondPlan, Constraint, Domain, Fault, State};
+use tdem_engine::{Bond, BondPlan, BondTables, Constraint, Domain, Fault, State};
 
 pub(super) const RADIUS: f64 = 5e-3;
 /// Of touching spheres: the length of a bond.
@@ -45,6 +45,7 @@ pub(super) fn scene(form: Form, joint: Joint<f64>, part: f64) -> Scene {
     scene.plan.bonds = Some(BondPlan {
         law: Law { form, damping },
         joints: vec![Some(joint); scene.plan.materials * scene.plan.materials],
+        tables: BondTables::default(),
         contact_in_bonded_pairs: false,
         local_damping: 0.0,
     });

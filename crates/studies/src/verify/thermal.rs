@@ -1,15 +1,17 @@
-//! Heat: conduction, surfaces, expansion and its stresses, balance. What the engine knows of it; friction heats nothing.
+//! Heat: conduction, surfaces, expansion and its stresses, balance, heat of friction and of dashpots.
 
 mod balance;
 mod conduction;
 mod expansion;
+mod motion;
 mod surfaces;
+mod tables;
 
 use super::scene::{HELD, Scene};
 use super::{Case, Tier};
 use tdem_engine::physics::heat::conduction::{face_centred_bar, pair_conductivity};
 use tdem_engine::physics::heat::{Conductor, Dissipation, Exchange, Path};
-use tdem_engine::{Around, Course, Exposure, HeatPlan, Motion, Thermal};
+use tdem_engine::{Around, Course, Exposure, HeatPlan, Motion, Thermal, ThermalTables};
 
 pub(super) const CASES: &[Case] = &[
     Case {
@@ -60,6 +62,34 @@ pub(super) const CASES: &[Case] = &[
         source: "H = 2 lambda_12 sqrt(R* h), Batchelor & O'Brien, Proc. R. Soc. A 355 (1977) 313",
         about: "Two unequal spheres pressed together, one of them to a warm wall of another material: heat rates, and 30 steps.",
         body: conduction::contact_circle,
+    },
+    Case {
+        name: "thermal/conductivity-table",
+        tier: Tier::Quick,
+        source: "Kirchhoff: the integral of lambda dT is straight; H_1/n times its whole flows in and out",
+        about: "The ends of a chain whose conductivity falls with temperature are held: temperatures, heat in and out; and by implicit steps.",
+        body: tables::conductivity,
+    },
+    Case {
+        name: "thermal/specific-heat-table",
+        tier: Tier::Quick,
+        source: "the integral of c dT, by trapezia",
+        about: "Four spheres are heated and cooled by fluxes along a specific heat with a peak: temperatures at the end.",
+        body: tables::specific_heat,
+    },
+    Case {
+        name: "thermal/stiffness-table",
+        tier: Tier::Quick,
+        source: "F = f(T) K_n u, T the mean of both particles",
+        about: "A stretched chain is held and heated, its first sphere colder: forces at both ends.",
+        body: tables::stiffness,
+    },
+    Case {
+        name: "thermal/strength-table",
+        tier: Tier::Quick,
+        source: "s = f(T) s_lim",
+        about: "A stretched chain is held and heated in both forms: temperature at which its bonds break.",
+        body: tables::strength,
     },
     Case {
         name: "thermal/lumped-cooling",
@@ -160,6 +190,27 @@ pub(super) const CASES: &[Case] = &[
         body: balance::first_law,
     },
     Case {
+        name: "thermal/sliding-block",
+        tier: Tier::Quick,
+        source: "sum of m c dT = mu F_n s",
+        about: "A bonded block that rests on the floor by its weight is pushed along it: heat in its spheres.",
+        body: motion::sliding_block,
+    },
+    Case {
+        name: "thermal/heat-of-collisions",
+        tier: Tier::Quick,
+        source: "first law: what the motion loses, heat gains",
+        about: "27 spheres collide and rub in an insulated box: energy lost and heat made, by the ledger and in the spheres.",
+        body: motion::heat_of_collisions,
+    },
+    Case {
+        name: "thermal/expansion-work",
+        tier: Tier::Quick,
+        source: "K_n/2 (L alpha dT)^2 for each bond of a held chain; the ledger closes",
+        about: "A chain between rigid ends is heated, then a block through two faces that are held: work of expansion, energy in bonds.",
+        body: motion::expansion_work,
+    },
+    Case {
         name: "thermal/slab-55",
         tier: Tier::Full,
         source: "exact: eigenfunctions and ramps (crates/studies/src/slab.rs)",
@@ -256,6 +307,7 @@ impl Scene {
             reference_temperature: ROOM,
             materials: (0..count).map(|k| thermal(material(k))).collect(),
             conductors: (0..count * count).map(|k| conductor(k / count, k % count)).collect(),
+            tables: ThermalTables::default(),
             contacts,
             exposures: vec![Exposure::default()],
             sides: Vec::new(),

@@ -10,13 +10,14 @@ use tdem_engine::{Constraint, Domain, State};
 /// What the step limits need to know of bonds: the extremes over all particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Vibration {
-    /// No vibration is faster than this, rad/s.
+    /// No vibration is faster than this, rad/s, at any temperature.
     pub(crate) greatest_frequency: f64,
     /// No dashpots act faster than this, 1/s.
     pub(crate) greatest_damping_rate: f64,
     /// Velocity Verlet is stable up to this step, s.
     pub(crate) verlet_step: f64,
-    /// Something vibrates at least so fast, rad/s: one particle alone, while its neighbours stand still.
+    /// Something vibrates at least so fast, rad/s: one particle alone, while its neighbours stand still, where temperature
+    /// makes bonds softest.
     pub(crate) least_frequency: f64,
     /// The particle that sets the step.
     pub(crate) particle: usize,
@@ -74,7 +75,9 @@ impl Bonded {
             let (here, there) = (state.radius[particle], state.radius[partner]);
             let [first, second] = [particle, partner].map(|index| state.sphere(index));
             let bond = joint.bond_of_spheres(Damping::Viscous, &first, &second, length, 1.0);
-            held.hold(&bond, normal, length * here / (here + there));
+            let [softest, stiffest] = self.stiffness_factors(state, [particle, partner]);
+            held.hold(&bond.tempered(stiffest, 1.0), normal, length * here / (here + there));
+            let bond = bond.tempered(softest, 1.0);
             for (sum, cosine) in stiffness.iter_mut().zip([normal.x, normal.y, normal.z]) {
                 *sum += bond.stiffness.shear + (bond.stiffness.normal - bond.stiffness.shear) * cosine * cosine;
             }

@@ -65,7 +65,7 @@ pub(super) fn expose(
                 return 0;
             }
             *known.entry((material, of, at)).or_insert_with(|| {
-                let conductivity = context.materials.thermal[usize::from(material)].conductivity;
+                let conductivity = context.conductivity(usize::from(material));
                 let mut exposure = Exposure::default();
                 for of_skin in &mut parts {
                     of_skin.push(None);

@@ -7,7 +7,7 @@ use crate::cpu::bodies::Quad;
 use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
 use tdem_physics::bond::{
     Advance, Bond, Cement, Coefficients, Damping, Ends, Form, History, Joint, Posture, Reaction, Rest, damping,
-    respond_incremental, respond_total,
+    respond_incremental, respond_total, stored_energy,
 };
 use tdem_physics::contact::{Period, Sphere};
 use tdem_physics::motion::orientation::Quaternion;
@@ -58,7 +58,7 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
         ask_ahead(scene, base + AHEAD);
         let ends = load_ends::<R>(scene, period.as_ref(), &group);
         let bonded_offset = R::load_triples(scene.offset, &group.slot);
-        let bond = numbers(scene, only, &group, &ends, bonded_offset);
+        let bond = tempered(scene, &group, numbers(scene, only, &group, &ends, bonded_offset));
         let (history, reaction) = respond(scene, rows, &group, &ends, bonded_offset, &bond);
         let fails = if scene.step > 0.0 { group.active & R::bits(reaction.failure.gt(zero)) } else { 0 };
         for l in (0..WIDTH).filter(|l| fails >> l & 1 != 0) {
@@ -77,6 +77,12 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
             let tension = R::quads([reaction.load.normal, zero, zero, zero]);
             for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
                 rows.note(group.slot[l] as usize, tension[l][0]);
+            }
+        }
+        if !rows.energy.is_empty() {
+            let energy = R::quads([stored_energy(&reaction.load, &bond), zero, zero, zero]);
+            for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+                rows.note_energy(group.slot[l] as usize, energy[l][0]);
             }
         }
         if !rows.accounts.is_empty() {
@@ -155,6 +161,21 @@ fn respond<R: Eight>(
             (Some(history), reaction)
         }
     }
+}
+
+/// Eight bonds at their temperatures.
+#[inline(always)]
+fn tempered<R: Eight>(scene: &Scene<'_>, group: &Group, bond: Bond<R>) -> Bond<R> {
+    if scene.tempering.is_none() {
+        return bond;
+    }
+    let mut factors = [[1.0; WIDTH]; 2];
+    for l in 0..WIDTH {
+        if let Some([stiffness, strength]) = scene.factors(group.slot[l] as usize) {
+            (factors[0][l], factors[1][l]) = (stiffness, strength);
+        }
+    }
+    bond.tempered(R::from_array(factors[0]), R::from_array(factors[1]))
 }
 
 /// Strains that eight bonds take up without force.

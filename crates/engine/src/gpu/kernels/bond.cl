@@ -26,6 +26,37 @@ DEVICE Bond bond_of(const Step step, const u32 i, const u32 j, const Sphere body
 #endif
 }
 
+#if BOND_TABLES
+// The numbers of a bond at the temperatures of its particles.
+DEVICE Bond bond_at(const Step step, const Bond bond, const u32 first, const u32 second, const real mine,
+                    const real theirs, const Heated heated)
+{
+    const Factors factors = heated.factors[first * step.materials + second];
+    real mean;
+    mean_temperature(mine, theirs, &mean);
+    Bond now;
+    bond_tempered(bond, property_at(heated.pieces, factors.stiffness, factors.end_stiffness, mean),
+                  property_at(heated.pieces, factors.strength, factors.end_strength, mean), &now);
+    return now;
+}
+#endif
+
+#if SOFTENING_WORK
+// What the springs of a bond gain per kelvin of either particle, as their stiffness changes.
+DEVICE real softening_of(const Step step, const Modes load, const Bond bond, const u32 first, const u32 second,
+                         const real mine, const real theirs, const Heated heated)
+{
+    const Factors factors = heated.factors[first * step.materials + second];
+    real mean, energy, slope, work;
+    mean_temperature(mine, theirs, &mean);
+    bond_energy(load, bond, &energy);
+    const Piece piece = heated.pieces[piece_at(heated.pieces, factors.stiffness, factors.end_stiffness, mean)];
+    table_slope(piece.start, piece.start_value, piece.end, piece.end_value, &slope);
+    softening_work(energy, property_at(heated.pieces, factors.stiffness, factors.end_stiffness, mean), slope, &work);
+    return work;
+}
+#endif
+
 // The velocities of the end of the step, as well as they are known.
 DEVICE Sphere settled(Sphere sphere, const Vec3 kick, const Vec3 twist)
 {
@@ -211,6 +242,9 @@ kernel bond
             heated.links = links;
             heated.exposure = exposure;
             heated.exposures = exposures;
+            heated.conductivities = conductivities;
+            heated.factors = factors;
+            heated.pieces = pieces;
             const Sphere bonded_first = as_bonded(first, i, heated), bonded_second = as_bonded(second, j, heated);
             Reaction acting;
 #if BONDS_REMEMBER
@@ -226,7 +260,8 @@ kernel bond
             Bond numbers = bond_of(step, i, j, bonded_first, bonded_second, bonded_length, kind, joints, beams);
 #if HEAT
             const Link link = link_of(step, i, j, bonded_first, bonded_second, kind, heated);
-            const real flow = through_bond(link, bonded_length, temperature[i], temperature[j]);
+            const real flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature[i],
+                                           temperature[j], heated);
 #if EXPANDS
             posture.free_strain = strain_of(step, link, temperature[i], temperature[j]);
 #endif
@@ -234,6 +269,10 @@ kernel bond
 #if SCATTERED_BONDS
             numbers.tensile_strength *= bond_strength[b];
             numbers.shear_strength *= bond_strength[b];
+#endif
+#if BOND_TABLES
+            numbers = bond_at(step, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature[i], temperature[j],
+                              heated);
 #endif
 #if BONDS_REMEMBER
             Advance advance;
@@ -275,6 +314,12 @@ kernel bond
             real work, work_of_second;
             expansion_work_of_bond(link.first_growth, acting.load.normal, bonded_length, &work);
             expansion_work_of_bond(link.second_growth, acting.load.normal, bonded_length, &work_of_second);
+#if SOFTENING_WORK
+            const real softening = softening_of(step, acting.load, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]),
+                                                temperature[i], temperature[j], heated);
+            work += softening;
+            work_of_second += softening;
+#endif
             bond_work[2u * (size_t)b] = breaks ? 0.0 : work;
             bond_work[2u * (size_t)b + 1u] = breaks ? 0.0 : work_of_second;
 #endif
@@ -316,7 +361,7 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
 #if HEAT
     const Link link = link_of(step, i, j, first, second, kind, heated);
     const real theirs = heated.temperature[j];
-    *flow = through_bond(link, bonded_length, temperature, theirs);
+    *flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs, heated);
 #if EXPANDS
     posture.free_strain = strain_of(step, link, temperature, theirs);
 #endif
@@ -325,10 +370,17 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
     numbers->tensile_strength *= bond_strength[BOND_SLOT(k, i)];
     numbers->shear_strength *= bond_strength[BOND_SLOT(k, i)];
 #endif
+#if BOND_TABLES
+    *numbers = bond_at(step, *numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs, heated);
+#endif
     Reaction acting;
     bond_total(body, partner, offset, posture, *numbers, &acting);
 #if EXPANSION_WORK
     expansion_work_of_bond(link.first_growth, acting.load.normal, bonded_length, work);
+#endif
+#if SOFTENING_WORK
+    *work += softening_of(step, acting.load, *numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs,
+                          heated);
 #endif
     return acting;
 }

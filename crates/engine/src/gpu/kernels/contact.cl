@@ -51,8 +51,8 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             if (!beside_bond(step, i, j, heated.bond_other))
 #endif
 #if HEAT_THROUGH_CONTACTS
-                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch,
-                                                  heat->temperature, heated.temperature[j]);
+                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch, material,
+                                                  MATERIAL_OF(kind[j]), heat->temperature, heated.temperature[j], heated);
 #endif
             const Quad v = LOAD(motion, j);
 #if MOMENTS
@@ -173,8 +173,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
 #if HEAT_THROUGH_CONTACTS
             if (wall.first_piece < wall.end_piece)
-                heat->foreign += from_wall(CONDUCTOR(material, wall.material), body, touch, heat->temperature,
-                                           course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time));
+                heat->foreign += from_wall(CONDUCTOR(material, wall.material), body, touch, material, wall.material,
+                                           heat->temperature,
+                                           course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time),
+                                           heated);
 #endif
 #if MAKES_HEAT
             // A wall that has a temperature takes its half away.
@@ -330,7 +332,7 @@ kernel contact
             if (!step.frozen)
                 accounts[i] = account;
 #endif
-            force[i] = quad(f, heat_rate_of(step, i, &heat, heated));
+            force[i] = quad(f, heat_rate_of(step, i, MATERIAL_OF(kind[i]), &heat, heated));
 #if EXPANSION_WORK
             const real work = work_per_kelvin_of(i, MATERIAL_OF(kind[i]), heat, heated);
             work_per_kelvin[i] = work;

@@ -22,6 +22,7 @@ kernel fused
                 const Constraint held = HELD(mine, step.time);
                 Heated heated;
                 LOOK_UP(heated);
+                heated.specific_heats = specific_heats;
                 Heat heat = heat_at(i, heated);
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS
@@ -49,7 +50,8 @@ kernel fused
                 real growth = 0.0;
 #if HEAT
                 real now = heat.temperature;
-                wrong |= warm(step, i, MATERIAL_OF(mine), heat_rate_of(step, i, &heat, heated), heated, &body.sphere, &now);
+                const real rate = heat_rate_of(step, i, MATERIAL_OF(mine), &heat, heated);
+                wrong |= warm(step, i, MATERIAL_OF(mine), rate, heated, &body.sphere, &now);
                 next_temperature[i] = now;
 #endif
 #if EXPANDS

@@ -10,6 +10,9 @@ typedef struct {
     GLOBAL const Conductor *conductors;
     GLOBAL const Link *links;
     GLOBAL const u32 *exposure;
+    GLOBAL const Tabled *conductivities;
+    GLOBAL const Tabled *specific_heats;
+    GLOBAL const Factors *factors;
     GLOBAL const Exposure *exposures;
     GLOBAL const Exchanging *exchanges;
     GLOBAL const Piece *pieces;
@@ -23,6 +26,8 @@ typedef struct {
     heated.thermals = thermals;                  \
     heated.conductors = conductors;              \
     heated.links = links;                        \
+    heated.conductivities = conductivities;      \
+    heated.factors = factors;                    \
     heated.exposure = exposure;                  \
     heated.exposures = exposures;                \
     heated.exchanges = exchanges;                \
@@ -96,6 +101,92 @@ DEVICE Outside outside_of(const Exchanging exchanging, const real time, const He
     return outside;
 }
 
+#if CONDUCTIVITY_TABLES || SPECIFIC_HEAT_TABLES || BOND_TABLES
+// The piece of a table that holds at a temperature.
+DEVICE u32 piece_at(GLOBAL const Piece *pieces, const u32 first, const u32 end, const real temperature)
+{
+    u32 k = first;
+    while (k + 1u < end && !(temperature < pieces[k].until))
+        ++k;
+    return k;
+}
+
+// The value of a table at a temperature.
+DEVICE real property_at(GLOBAL const Piece *pieces, const u32 first, const u32 end, const real temperature)
+{
+    const Piece piece = pieces[piece_at(pieces, first, end, temperature)];
+    real value;
+    ramp_line(piece.start, piece.start_value, piece.end, piece.end_value, temperature, &value);
+    return value;
+}
+#endif
+
+// A conductance at the temperatures of both ends.
+DEVICE real tempered(const real conductance, const u32 first, const u32 second, const real mine, const real theirs,
+                     const Heated heated)
+{
+#if CONDUCTIVITY_TABLES
+    const Tabled my_table = heated.conductivities[first], their_table = heated.conductivities[second];
+    real mean, found;
+    mean_temperature(mine, theirs, &mean);
+    tempered_conductance(conductance, property_at(heated.pieces, my_table.first_piece, my_table.end_piece, mean),
+                         property_at(heated.pieces, their_table.first_piece, their_table.end_piece, mean), &found);
+    return found;
+#else
+    return conductance;
+#endif
+}
+
+#if SPECIFIC_HEAT_TABLES
+// The temperature of a body that took in heat per mass: from piece to piece of its specific heat.
+DEVICE real warmed_along(GLOBAL const Piece *pieces, const Tabled table, const real temperature, const real heat)
+{
+    real place = temperature, left = heat;
+    u32 k = piece_at(pieces, table.first_piece, table.end_piece, temperature);
+    for (;;) {
+        const Piece piece = pieces[k];
+        const real bound = left > 0.0 ? piece.until : piece.from;
+        if (fabs(bound) < INFINITY) {
+            real room;
+            heat_along(piece.start, piece.start_value, piece.end, piece.end_value, place, bound, &room);
+            if (fabs(left) > fabs(room)) {
+                left -= room;
+                place = bound;
+                k = left > 0.0 ? k + 1u : k - 1u;
+                continue;
+            }
+        }
+        real rise;
+        heat_rise(piece.start, piece.start_value, piece.end, piece.end_value, place, left, &rise);
+        return place + rise;
+    }
+}
+
+#if LEDGER
+// Heat per mass between two temperatures that ascend.
+DEVICE real heat_up_to(GLOBAL const Piece *pieces, const Tabled table, const real from, const real to)
+{
+    real place = from, heat = 0.0;
+    for (u32 k = piece_at(pieces, table.first_piece, table.end_piece, from); k < table.end_piece; ++k) {
+        const Piece piece = pieces[k];
+        const int ends = to < piece.until;
+        real more;
+        heat_along(piece.start, piece.start_value, piece.end, piece.end_value, place, ends ? to : piece.until, &more);
+        heat += more;
+        if (ends)
+            return heat;
+        place = piece.until;
+    }
+    return NAN;
+}
+
+DEVICE real heat_between(GLOBAL const Piece *pieces, const Tabled table, const real from, const real to)
+{
+    return to < from ? -heat_up_to(pieces, table, to, from) : heat_up_to(pieces, table, from, to);
+}
+#endif
+#endif
+
 // What a bond is to heat, wherever its particles lie. The spheres have the radii that bonds have.
 DEVICE Link link_anywhere(const Step step, const u32 i, const u32 j, const Sphere body, const Sphere partner,
                           GLOBAL const u32 *RESTRICT kind, const Heated heated)
@@ -135,11 +226,12 @@ DEVICE Link link_of(const Step step, const u32 i, const u32 j, const Sphere body
 }
 
 // Into a particle, through a bond.
-DEVICE real through_bond(const Link link, const real bonded_length, const real mine, const real theirs)
+DEVICE real through_bond(const Link link, const real bonded_length, const u32 material, const u32 other,
+                         const real mine, const real theirs, const Heated heated)
 {
     real conductance, rate;
     link_conductance(link, bonded_length, &conductance);
-    heat_flow(conductance, mine, theirs, &rate);
+    heat_flow(tempered(conductance, material, other, mine, theirs, heated), mine, theirs, &rate);
     return rate;
 }
 
@@ -153,20 +245,21 @@ DEVICE real strain_of(const Step step, const Link link, const real mine, const r
 
 // Into a particle, through a contact.
 DEVICE real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
-                            const real mine, const real theirs)
+                            const u32 material, const u32 other, const real mine, const real theirs, const Heated heated)
 {
     real conductance, rate;
     between_spheres(conductor, body.radius, radius, touch, &conductance);
-    heat_flow(conductance, mine, theirs, &rate);
+    heat_flow(tempered(conductance, material, other, mine, theirs, heated), mine, theirs, &rate);
     return rate;
 }
 
 // Into a particle, from a wall that has a temperature.
-DEVICE real from_wall(const Conductor conductor, const Sphere body, const Touch touch, const real mine, const real theirs)
+DEVICE real from_wall(const Conductor conductor, const Sphere body, const Touch touch, const u32 material,
+                      const u32 other, const real mine, const real theirs, const Heated heated)
 {
     real conductance, rate;
     at_wall(conductor, body.radius, touch, &conductance);
-    heat_flow(conductance, mine, theirs, &rate);
+    heat_flow(tempered(conductance, material, other, mine, theirs, heated), mine, theirs, &rate);
     return rate;
 }
 
@@ -210,14 +303,20 @@ DEVICE real made_heat(const Heat heat)
 #endif
 
 // The heat rate of a particle whose pairs and walls are summed. Outside values are those of the middle of the next step.
-DEVICE real heat_rate_of(const Step step, const u32 i, Heat *heat, const Heated heated)
+DEVICE real heat_rate_of(const Step step, const u32 i, const u32 material, Heat *heat, const Heated heated)
 {
 #if EXPOSED
     const Exposure exposed = heated.exposures[heated.exposure[i]];
     for (u32 k = exposed.first_exchange; k < exposed.end_exchange; ++k) {
         const Exchanging exchanging = heated.exchanges[k];
+        Exchange exchange = exchanging.exchange;
+#if CONDUCTIVITY_TABLES
+        const Tabled table = heated.conductivities[material];
+        tempered_exchange(exchanging.exchange,
+                          property_at(heated.pieces, table.first_piece, table.end_piece, heat->temperature), &exchange);
+#endif
         real rate;
-        surface_heat(exchanging.exchange, heat->temperature, outside_of(exchanging, step.heat_middle_time, heated), &rate);
+        surface_heat(exchange, heat->temperature, outside_of(exchanging, step.heat_middle_time, heated), &rate);
         heat->foreign += rate;
     }
 #endif
@@ -239,9 +338,11 @@ DEVICE real heat_rate_of(const Step step, const u32 i, Heat *heat, const Heated 
 // What the energy in all springs gains per kelvin of a particle, J/K.
 DEVICE real work_per_kelvin_of(const u32 i, const u32 material, const Heat heat, const Heated heated)
 {
-    real work;
+    real work = 0.0;
+#if EXPANDS
     expansion_work_of_contacts(heat.pressure_of_contacts + heat.pressure_of_walls, heated.thermals[material].expansion,
                                heated.reference_radius[i], &work);
+#endif
 #if BONDS
     work += heat.work_of_bonds;
 #endif
@@ -262,15 +363,24 @@ DEVICE u32 warm(const Step step, const u32 i, const u32 material, const real rat
                 real *temperature)
 {
     const Thermal thermal = heated.thermals[material];
-    const real capacity = body->mass * thermal.specific_heat;
     real now;
+#if SPECIFIC_HEAT_TABLES
+    const Tabled specific_heat = heated.specific_heats[material];
+    real taken_in;
+    heat_taken_in(rate, body->mass, step.heat_dt, &taken_in);
+    now = warmed_along(heated.pieces, specific_heat, *temperature, taken_in);
+#else
+    const real capacity = body->mass * thermal.specific_heat;
     warmed(*temperature, rate, capacity, step.heat_dt, &now);
+#endif
 #if EXPOSED
     const Exposure exposed = heated.exposures[heated.exposure[i]];
     if (exposed.first_piece < exposed.end_piece) {
         const real free = now;
         now = course_at(heated.pieces, exposed.first_piece, exposed.end_piece, step.next_heat_time);
-#if LEDGER
+#if LEDGER && SPECIFIC_HEAT_TABLES
+        book_heat(i, body->mass * heat_between(heated.pieces, specific_heat, free, now), heat_accounts);
+#elif LEDGER
         book_heat(i, capacity * (now - free), heat_accounts);
 #endif
     }

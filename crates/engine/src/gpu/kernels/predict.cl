@@ -142,6 +142,7 @@ kernel predict
                 Heated heated;
                 heated.reference_radius = reference_radius;
                 heated.thermals = thermals;
+                heated.specific_heats = specific_heats;
                 heated.exposure = exposure;
                 heated.exposures = exposures;
                 heated.pieces = pieces;
