@@ -213,7 +213,9 @@ impl<'s> Checker<'s> {
                     | (Value::Boolean, Some("boolean"))
             )
         };
-        if let Some(option) = options.iter().find(fits) {
+        // Of several lists the one whose entries are like the first.
+        let like = |option: &&'s Json| fits(option) && self.holds_alike(node, self.resolve(option));
+        if let Some(option) = options.iter().find(like).or_else(|| options.iter().find(fits)) {
             self.node(node, option, path, unit);
             return;
         }
@@ -225,6 +227,19 @@ impl<'s> Checker<'s> {
         }
         let expected: Vec<String> = options.iter().map(|option| self.describe(option, unit)).collect();
         self.wrong_type(node, &expected.join(" or "), path);
+    }
+
+    /// Whether the first entry of a list is a word or a number where the schema has one; true of what is no list.
+    fn holds_alike(&self, node: &Node, schema: &'s Json) -> bool {
+        let Value::Array(items) = &node.value else { return true };
+        let inner = schema.get("items").map(|inner| self.resolve(inner));
+        let Some((first, inner)) = items.first().zip(inner) else { return true };
+        let kind = inner.get("type").and_then(Json::as_str);
+        match &first.value {
+            Value::String(_) => kind == Some("string") || self.words(inner).is_some(),
+            Value::Integer(_) | Value::Float(_) => matches!(kind, Some("integer" | "number")),
+            _ => true,
+        }
     }
 
     fn choice(&mut self, node: &Node, words: &[&str], path: &str) {

@@ -110,14 +110,17 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         say(format!("Stopped by {name}: {rungs} of {} rungs are complete.", arguments.rungs));
     }
     let code = stopped.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(128 + signal));
+    if ladder.rungs.is_empty() {
+        return Ok(code);
+    }
+    data(ladder_table::text(&ladder))?;
     if ladder.pairs.is_empty() {
-        // Nothing can be compared.
+        // Nothing is compared, so that nothing is worth a file.
         return Ok(code);
     }
     let title = if loaded.case.title.is_empty() { &loaded.source.name } else { &loaded.case.title };
     files::write(&table, ladder_table::csv(&ladder).as_bytes())?;
     files::write(&document, ladder_table::markdown(title, &loaded.source.name, &ladder).as_bytes())?;
-    data(ladder_table::text(&ladder))?;
     if !arguments.quiet {
         say(format!("Written: {}, {}", argument(&table), argument(&document)));
     }

@@ -152,7 +152,8 @@ fn heat_by_itself_goes_in_shorter_steps() {
         let order = after.order(before, 3, |found| found.temperature.rms).expect("temperatures differ");
         assert!((0.7..1.2).contains(&order), "{motion}: {order}");
         let stress = after.differences[3].stress_size;
-        assert!(if motion == "frozen" { stress == 0.0 } else { stress > 0.0 }, "{motion}: {stress}");
+        // Nothing but rounding, or some kelvins between the foot and the top.
+        assert!(if motion == "frozen" { stress < 1e-3 } else { stress > 1e3 }, "{motion}: {stress}");
     }
 }
 

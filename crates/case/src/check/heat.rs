@@ -49,17 +49,11 @@ impl Checker<'_> {
         if let OpenSides::Faces(faces) = sides {
             self.open_faces(faces);
         }
-        let wrong = match sides {
-            OpenSides::Cells(cells) if cells.contains(&0) => {
-                Some(("a block has at least 1 cell in each direction", "must be at least 1"))
-            }
-            OpenSides::Faces(faces) if faces.is_empty() => {
-                Some(("a block without open sides needs no `open_sides`", "must name at least one side"))
-            }
-            _ => None,
-        };
-        if let Some((message, allowed)) = wrong {
-            self.push(Problem::error("tdem::case::out-of-range", message).at(place, allowed));
+        if matches!(sides, OpenSides::Cells(cells) if cells.contains(&0)) {
+            self.push(
+                Problem::error("tdem::case::out-of-range", "a block has at least 1 cell in each direction")
+                    .at(place, "must be at least 1"),
+            );
         } else if heat.bar_radius != BarRadius::FaceCentred {
             let cause = self.place(&["heat", "bar_radius"]);
             self.push(

@@ -221,8 +221,9 @@ impl JsonSchema for BarRadius {
     }
 }
 
-/// A surface through which particles exchange heat with what is outside. Whatever is in no surface is insulated. What acts
-/// on one particle adds up, except a temperature that it is held at.
+/// A surface through which particles exchange heat with what is outside. Whatever is in no surface is insulated. All that
+/// acts through one surface acts at its one temperature. What several surfaces do to one particle adds up, except a
+/// temperature that it is held at.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Surface {
