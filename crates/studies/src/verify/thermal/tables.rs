@@ -63,8 +63,8 @@ pub(super) fn conductivity(bench: &mut Bench) -> Result<(), Fault> {
         off(&begin),
         Kind::ClosedForm.at_most(1e-9),
     );
-    let sag = begin.temperature[5] - (hot + (cold - hot) * 5.0 / links as f64);
-    bench.judge("temperature beside the middle above the line", "K", sag, Kind::ClosedForm.at_least(20.0));
+    let sag = (hot + (cold - hot) * 5.0 / links as f64) - begin.temperature[5];
+    bench.judge("temperature beside the middle below the line", "K", sag, Kind::ClosedForm.at_least(20.0));
     let (steps, step) = (50, scene.plan.heat_step());
     let through = steps as f64 * step * unit * (integral(hot) - integral(cold)) / links as f64;
     scene.state = begin;
