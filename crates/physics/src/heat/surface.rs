@@ -102,7 +102,7 @@ impl<R: Real> Exchange<R> {
     /// # Numerics
     /// A surface that radiates is found by five steps of Newton's method for
     /// $f(T_s) = T_s - T_0 - a(T_e^4 - T_s^4)$ with $a = rw\varepsilon\sigma A$, where $T_0$ is what it would have if it did
-    /// not. The root is at most the greater of $T_0$ and $T_e$, and at most $\sqrt[4]{T_e^4 + T_0/a}$; $f$ is convex, so that
+    /// not. The root is at most the greater of $T_0$ and $T_e$, and at most $(T_e^4 + T_0/a)^{1/4}$; $f$ is convex, so that
     /// from the lesser of these the steps come down to it, to rounding, whatever the depth.
     #[inline(always)]
     pub fn surface_temperature(&self, temperature: R, outside: &Outside<R>) -> R {

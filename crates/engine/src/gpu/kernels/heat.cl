@@ -90,7 +90,7 @@ DEVICE real course_at(GLOBAL const Piece *pieces, const u32 first, const u32 end
 }
 
 // What is outside of a surface at a time; what is absent is zero.
-DEVICE Outside outside_of(const Exchanging exchanging, const real time, const Heated heated)
+SELDOM Outside outside_of(const Exchanging exchanging, const real time, const Heated heated)
 {
     Outside outside;
     const u32 flux = exchanging.flux_piece, fluid = exchanging.fluid_piece;
@@ -244,12 +244,7 @@ DEVICE real strain_of(const Step step, const Link link, const real mine, const r
 }
 
 // Into a particle, through a contact.
-#if BONDS_KEEP_OFF
-SELDOM
-#else
-DEVICE
-#endif
-real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
+DEVICE real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
                             const u32 material, const u32 other, const real mine, const real theirs, const Heated heated)
 {
     real conductance, rate;
