@@ -72,8 +72,8 @@ pub(super) fn of(
         walls: context.planes.iter().map(|plane| plane.temperature.as_ref().map(|of| course(of, zero))).collect(),
         motion: Motion::Stepped,
         dissipation: Dissipation {
-            friction: heat.from_friction.map_or(0.0, schema::Fraction::get),
-            damping: heat.from_damping.map_or(0.0, schema::Fraction::get),
+            friction: heat.from_friction.map_or(0.0, schema::Share::get),
+            damping: heat.from_damping.map_or(0.0, schema::Share::get),
         },
     };
     Some((plan, surfaces))

@@ -1,7 +1,7 @@
 //! Heat: what conducts, what surfaces exchange, how time goes.
 
 use super::course::Course;
-use super::quantity::{Fraction, NonNegative, Positive, positive};
+use super::quantity::{NonNegative, Positive, Share, positive};
 use super::{Case, Face};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -54,11 +54,11 @@ pub struct Heat {
     /// Part of what sliding dissipates that becomes heat, half of it in each of both bodies, or all in a particle at a wall
     /// without temperature; 0.0 if left out. Energy of the motion: `time_scale` does not multiply it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub from_friction: Option<Fraction>,
+    pub from_friction: Option<Share>,
     /// Part of what the dashpots of contacts and bonds dissipate that becomes heat, in the same way; 0.0 if left out. What
     /// local damping takes makes none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub from_damping: Option<Fraction>,
+    pub from_damping: Option<Share>,
     /// How much faster the time of the heat goes than that of the motion; 1.0 if left out. Give this or `duration`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_scale: Option<Positive>,
@@ -276,7 +276,7 @@ pub struct Convection {
 #[serde(deny_unknown_fields)]
 pub struct Radiation {
     /// Emissivity of the surface.
-    pub emissivity: Fraction,
+    pub emissivity: Share,
     /// Temperature of the surroundings, °C or K, constant or along points.
     #[schemars(extend("x-unit" = "°C or K"))]
     pub temperature: Course,

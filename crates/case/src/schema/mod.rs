@@ -25,7 +25,9 @@ pub use particles::{
 };
 pub use property::{MeasuredProperty, Property};
 pub(crate) use quantity::non_negative;
-pub use quantity::{Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Step, Strength, TangentialCoefficient};
+pub use quantity::{
+    Fraction, NonNegative, OutOfRange, PoissonRatio, Positive, Share, Step, Strength, TangentialCoefficient,
+};
 pub use shape::{Ball, Block, Cylinder, Revolution, RibbedBar, Shape};
 pub use zone::Zone;
 

@@ -71,6 +71,10 @@ quantity!(
     { "exclusiveMinimum": 0.0, "maximum": 1.0 }
 );
 quantity!(
+    /// From 0 to 1.
+    Share, "a number from 0 to 1", |value| (0.0..=1.0).contains(&value), { "minimum": 0.0, "maximum": 1.0 }
+);
+quantity!(
     /// Poisson's ratio of an isotropic solid: above -1, at most 0.5.
     PoissonRatio, "a number above -1 and at most 0.5", |value| value > -1.0 && value <= 0.5,
     { "exclusiveMinimum": -1.0, "maximum": 0.5 }
