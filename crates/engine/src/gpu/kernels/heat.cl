@@ -90,7 +90,7 @@ DEVICE real course_at(GLOBAL const Piece *pieces, const u32 first, const u32 end
 }
 
 // What is outside of a surface at a time; what is absent is zero.
-SELDOM Outside outside_of(const Exchanging exchanging, const real time, const Heated heated)
+DEVICE Outside outside_of(const Exchanging exchanging, const real time, const Heated heated)
 {
     Outside outside;
     const u32 flux = exchanging.flux_piece, fluid = exchanging.fluid_piece;

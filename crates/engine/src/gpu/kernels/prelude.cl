@@ -8,8 +8,6 @@
 
 #define KERNEL(threads, groups) extern "C" __global__ void __launch_bounds__(threads, groups)
 #define DEVICE static __device__ __forceinline__
-// Called so seldom that it must not take registers from what calls it: 1.3 % of a step with heat on an H100.
-#define SELDOM static __device__ __noinline__
 #define GLOBAL
 #define LOCAL __shared__
 #define RESTRICT __restrict__
@@ -66,8 +64,6 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
 
 #define KERNEL(threads, groups) __kernel __attribute__((reqd_work_group_size(threads, 1, 1))) void
 #define DEVICE static inline
-// Through OpenCL a call costs more than it saves.
-#define SELDOM DEVICE
 #define GLOBAL __global
 #define LOCAL __local
 #define RESTRICT restrict
