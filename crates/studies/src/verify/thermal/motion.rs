@@ -49,7 +49,7 @@ pub(super) fn sliding_block(bench: &mut Bench) -> Result<(), Fault> {
     scene.heat(&[SOLID], 1.0, CLOSED);
     scene.heat_step(1e-3);
     scene.dissipate(Dissipation { friction: 1.0, damping: 0.0 });
-    let (settled, way) = (30_000, 60_000);
+    let (settled, way) = (6_000, 8_000);
     let mut simulation = bench.start(&scene)?;
     simulation.advance(settled)?;
     let begin = simulation.state()?;
@@ -84,7 +84,7 @@ pub(super) fn heat_of_collisions(bench: &mut Bench) -> Result<(), Fault> {
     scene.heat_step(1e-3);
     scene.dissipate(ALL);
     let begin = Ledger::of(&bench.after(&scene, 0)?, &scene.plan).mechanical();
-    let end = bench.after(&scene, 20_000)?;
+    let end = bench.after(&scene, 8_000)?;
     let ledger = Ledger::of(&end, &scene.plan);
     let lost = begin - ledger.mechanical();
     let made = booked(&end.heat_accounts, heat_accounts::MADE);
