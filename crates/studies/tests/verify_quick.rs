@@ -235,7 +235,7 @@ fn wrong_heat_is_caught() {
             table.0[1][1] *= 1.01;
         }
     };
-    let wrong: [Wrong; 49] = [
+    let wrong: [Wrong; 53] = [
         (
             "thermal/conductivity-table",
             wrong_heat!(|heat| heat.tables.conductivity.iter_mut().for_each(|table| table.0[0][1] *= 1.01)),
@@ -294,6 +294,10 @@ fn wrong_heat_is_caught() {
         ("thermal/free-plate", softer),
         ("thermal/time-scale", wrong_heat!(|heat| heat.materials.iter_mut().for_each(|m| m.expansion *= 1.02))),
         ("thermal/time-scale", wrong_bond!(|joint| joint.stiffness_per_area *= 0.98)),
+        ("thermal/sliding-block", stores),
+        ("thermal/sliding-block", wrong_heat!(|heat| heat.dissipation.friction *= 0.99)),
+        ("thermal/heat-of-collisions", wrong_heat!(|heat| heat.dissipation.damping *= 0.98)),
+        ("thermal/expansion-work", grows),
         ("thermal/balance", stores),
         ("thermal/balance", |plan| plan.ledger = false),
     ];
