@@ -238,6 +238,10 @@ impl HeatPlan {
     pub fn at_one_side(&self, exposures: [u16; 2]) -> bool {
         self.bounds() && self.sides[usize::from(exposures[0])] & self.sides[usize::from(exposures[1])] != 0
     }
+    /// What a bond is to heat between particles of two exposures: more, if both lie at one open side.
+    pub(crate) fn where_it_lies(&self, link: Link<f64>, exposures: [u16; 2]) -> Link<f64> {
+        if self.at_one_side(exposures) { link.within_side() } else { link }
+    }
     /// Whether any material grows.
     #[must_use]
     pub fn expands(&self) -> bool {

@@ -83,9 +83,7 @@ impl Network {
         let bonds = edges(&state.bonds, |bond| {
             let (i, j) = (index(bond.first), index(bond.second));
             let offset = state.bonded_offset(plan, i, j);
-            let link = state.link(plan, i, j)?;
-            let within = heat.at_one_side([i, j].map(|index| state.exposure[index]));
-            let link = if within { link.within_side() } else { link };
+            let link = heat.where_it_lies(state.link(plan, i, j)?, [i, j].map(|index| state.exposure[index]));
             let conductance = link.conductance(offset.dot(offset).sqrt());
             bond.holds().then_some(Edge { ends: [i as u32, j as u32], conductance })
         });

@@ -70,7 +70,7 @@ pub struct State {
     /// Heat accounts of each particle, J, `(N, 4)`, see [`crate::heat_accounts`]; empty without ledger or heat.
     pub heat_accounts: Vec<[f64; 4]>,
     /// $\partial U/\partial T$: how much the energy in all springs grows per kelvin of a particle, J/K, `(N)`; for the
-    /// ledger, empty where there is none or nothing expands. Like `force` it belongs to the present.
+    /// ledger, empty where there is none or nothing expands or softens. Like `force` it belongs to the present.
     pub work_per_kelvin: Vec<f64>,
 }
 

@@ -11,8 +11,8 @@ mod eight;
 use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
 use super::heat::{Flows, link};
-use super::pieces::split;
-use super::{CHUNK, Cpu, Width};
+use super::pieces::{chunks_of, split};
+use super::{Cpu, Width};
 use crate::energy_accounts::DAMPING;
 use crate::evaluate::quaternion;
 use crate::{BondHistory, BondPlan, BondTables, Breakage, HeatPlan};
@@ -196,7 +196,7 @@ fn tasks<'a>(
     flows: &'a mut Flows,
 ) -> Vec<Rows<'a>> {
     let n = bonds.start.len() - 1;
-    let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
+    let particles = chunks_of(n);
     let slots: Vec<usize> = particles.iter().map(|&particle| bonds.start[particle] as usize).collect();
     let reactions: Vec<usize> = slots.iter().map(|&slot| REACTION * slot).collect();
     let mut history = split(&mut written.history, &slots);

@@ -7,8 +7,8 @@ mod eight;
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::neighbours::reaction_stride;
-use super::pieces::split;
-use super::{CHUNK, Cpu, Width};
+use super::pieces::{chunks_of, split};
+use super::{Cpu, Width};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
 use eight::{rows_portable, rows_widest};
@@ -139,7 +139,7 @@ impl Cpu {
         let n = rank.len();
         let made = &mut self.flows.made;
         made.resize(if self.plan.makes_heat() { list.other.len() } else { 0 }, 0.0);
-        let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
+        let particles = chunks_of(n);
         let pairs: Vec<usize> = particles.iter().map(|&p| list.start[p] as usize).collect();
         let mut tasks = Vec::with_capacity(particles.len());
         let mut touching = split(&mut list.touching, &pairs);

@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, sphere};
 use super::bonds::{Bonds, REACTION, Written};
 use super::neighbours::{Neighbours, WallSlot};
-use super::pieces::split;
+use super::pieces::{chunks_of, split};
 use super::wide::prefetch;
 use super::{CHUNK, Cpu};
 use crate::Plan;
@@ -22,7 +22,7 @@ impl Cpu {
         let (list, bonds) = (&self.neighbours, &self.bonds);
         let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
-        let particles: Vec<usize> = (0..=n.div_ceil(CHUNK)).map(|chunk| (chunk * CHUNK).min(n)).collect();
+        let particles = chunks_of(n);
         let mut slots = split(&mut wall_slots, &wall_bounds);
         let moments = self.plan.law.moments;
         let mut moment = split(moment, &particles);
