@@ -32,7 +32,7 @@ impl Checker<'_> {
         }
         self.turns(heat);
         self.open_sides(heat);
-        self.heat_of_motion();
+        self.heat_of_motion(heat);
         for (k, group) in self.case.particles.iter().enumerate() {
             if let Some(temperature) = group.temperature {
                 self.temperature(heat, temperature, &["particles", &k.to_string(), "temperature"]);
@@ -204,9 +204,9 @@ impl Checker<'_> {
     }
 
     /// What motion loses is known from the ledger, and only where there is friction.
-    fn heat_of_motion(&mut self) {
-        for key in ["from_friction", "from_damping"] {
-            if self.tree.get(&["heat", key]).is_none() {
+    fn heat_of_motion(&mut self, heat: &Heat) {
+        for (key, part) in [("from_friction", heat.from_friction), ("from_damping", heat.from_damping)] {
+            if part.is_none_or(|part| part.get() == 0.0) {
                 continue;
             }
             let place = self.tree.key_place(&["heat", key]);
