@@ -243,23 +243,27 @@ DEVICE real strain_of(const Step step, const Link link, const real mine, const r
     return strain;
 }
 
-// Into a particle, through a contact.
-DEVICE real through_contact(const Conductor conductor, const Sphere body, const real radius, const Touch touch,
-                            const u32 material, const u32 other, const real mine, const real theirs, const Heated heated)
+// Into a particle, from a partner that it touches.
+DEVICE real from_partner(const Step step, const Sphere body, const real radius, const Touch touch, const u32 material,
+                         const u32 j, GLOBAL const u32 *RESTRICT kind, const Heat heat, const Heated heated)
 {
+    const u32 other = MATERIAL_OF(kind[j]);
+    const real mine = heat.temperature, theirs = heated.temperature[j];
     real conductance, rate;
-    between_spheres(conductor, body.radius, radius, touch, &conductance);
+    between_spheres(CONDUCTOR(material, other), body.radius, radius, touch, &conductance);
     heat_flow(tempered(conductance, material, other, mine, theirs, heated), mine, theirs, &rate);
     return rate;
 }
 
 // Into a particle, from a wall that has a temperature.
-DEVICE real from_wall(const Conductor conductor, const Sphere body, const Touch touch, const u32 material,
-                      const u32 other, const real mine, const real theirs, const Heated heated)
+DEVICE real from_wall(const Step step, const Wall wall, const Sphere body, const Touch touch, const u32 material,
+                      const Heat heat, const Heated heated)
 {
+    const real mine = heat.temperature;
+    const real theirs = course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time);
     real conductance, rate;
-    at_wall(conductor, body.radius, touch, &conductance);
-    heat_flow(tempered(conductance, material, other, mine, theirs, heated), mine, theirs, &rate);
+    at_wall(CONDUCTOR(material, wall.material), body.radius, touch, &conductance);
+    heat_flow(tempered(conductance, material, wall.material, mine, theirs, heated), mine, theirs, &rate);
     return rate;
 }
 
