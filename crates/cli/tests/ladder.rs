@@ -157,12 +157,12 @@ fn ctrl_c_compares_the_rungs_that_are_complete() {
 fn a_fault_leaves_the_table_of_what_ended_before() {
     let room = Room::new();
     // A grain leaves the domain when the second rung is at three quarters.
-    let grain = "[[particles]]\nmaterial = \"rock\"\nloose = true\nvelocity = [32.0, 0.0, 0.0]\n\
+    let grain = "[[particles]]\nmaterial = \"rock\"\nloose = true\nvelocity = [16.0, 0.0, 0.0]\n\
                  list = { radius = 0.005, positions = [[0.05, 0.05, 0.0]] }\n";
     room.write("warm.toml", &WARM.replace("[[surface]]", &format!("{grain}[[surface]]")));
-    let ladder = [&LADDER[..], &["--instants", "4"]].concat();
+    let ladder = [&LADDER[..], &["--instants", "4", "--set", "time.end=2e-3"]].concat();
     let said = room.tdem(&ladder).exits(1);
-    for part in ["S = 4e5 against S/2 = 2e5", "S/2 in place of S: after 300 s of heat"] {
+    for part in ["S = 2e5 against S/2 = 1e5", "S/2 in place of S: after"] {
         assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
     }
     let fault = ["left the domain", "tdem::ladder::fault", "rung S/2 of the ladder", "1 of 3 rungs are complete"];

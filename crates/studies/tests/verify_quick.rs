@@ -235,7 +235,7 @@ fn wrong_heat_is_caught() {
             table.0[1][1] *= 1.01;
         }
     };
-    let wrong: [Wrong; 53] = [
+    let wrong: [Wrong; 59] = [
         (
             "thermal/conductivity-table",
             wrong_heat!(|heat| heat.tables.conductivity.iter_mut().for_each(|table| table.0[0][1] *= 1.01)),
@@ -257,6 +257,12 @@ fn wrong_heat_is_caught() {
             "thermal/lattice-conductivity",
             wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.section *= 1.01)),
         ),
+        ("thermal/open-sides", conducts),
+        ("thermal/open-sides", wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.section *= 1.01))),
+        ("thermal/open-sides", wrong_heat!(|heat| heat.sides.clear())),
+        ("thermal/mass-scaling", stores),
+        ("thermal/mass-scaling", softer),
+        ("thermal/mass-scaling", |plan| plan.gravity[2] *= 1.01),
         ("thermal/unlike", conducts),
         ("thermal/unlike", wrong_heat!(|heat| heat.conductors[1].conductivity *= 1.01)),
         ("thermal/broken-bond", conducts),
