@@ -105,7 +105,7 @@ fn bar(strength: &str) -> (State, impl Fn(&str) -> f64) {
     let state = load_final_state(folder.path()).expect("there is a checkpoint").state;
     let history = std::fs::read_to_string(folder.path().join("history.csv")).expect("there is a history");
     let mut lines = history.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-    let (names, last) = (lines.next().expect("it has a head"), lines.last().expect("it has rows"));
+    let (names, last) = (lines.next().expect("it has a head"), lines.next_back().expect("it has rows"));
     let column = move |name: &str| {
         let place = names.iter().position(|of| of == name).unwrap_or_else(|| panic!("no column {name} in {names:?}"));
         last[place].parse().expect("a number")
@@ -117,7 +117,7 @@ fn bar(strength: &str) -> (State, impl Fn(&str) -> f64) {
 fn straight(table: &[[f64; 2]], at: f64) -> [f64; 2] {
     let mut integral = 0.0;
     for two in table.windows(2) {
-        let ([from, first], [to, last]) = ((two[0]), (two[1]));
+        let ([from, first], [to, last]) = (two[0], two[1]);
         let value = first + (last - first) * (at - from) / (to - from);
         if at <= to {
             return [value, integral + 0.5 * (first + value) * (at - from)];
@@ -129,7 +129,7 @@ fn straight(table: &[[f64; 2]], at: f64) -> [f64; 2] {
 
 /// Temperatures of the layers, °C.
 fn layers(state: &State) -> Vec<f64> {
-    let mut sums = vec![[0.0; 2]; LAYERS];
+    let mut sums = [[0.0; 2]; LAYERS];
     for (place, temperature) in state.position.iter().zip(&state.temperature) {
         let layer = libm::round(place[2] / (0.5 * CELL)) as usize;
         sums[layer][0] += temperature - CELSIUS;
