@@ -1,6 +1,7 @@
-//! Stage `gather`: adds what other rows keep for a particle, then walls, then the sum of its bonds.
+//! Stage `gather`: adds what other rows keep for a particle, heat of contacts with it, then walls, then the sum of its
+//! bonds.
 
-use super::bodies::{Bodies, sphere};
+use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
 use super::neighbours::{Neighbours, WallSlot};
 use super::pieces::{chunks_of, split};
@@ -37,13 +38,11 @@ impl Cpu {
             let mut slots = slots.iter_mut().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
-                let mut sum =
-                    Sum { force: force[k].vector(), moment: moment.get(k).copied().unwrap_or_default().vector() };
-                if moments {
-                    add_incoming::<6>(list, i, &mut sum);
-                } else {
-                    add_incoming::<3>(list, i, &mut sum);
-                }
+                let own = [force[k], moment.get(k).copied().unwrap_or_default()];
+                let [with_heat, turning] =
+                    if moments { add_incoming::<2>(list, i, own) } else { add_incoming::<1>(list, i, own) };
+                force[k] = with_heat;
+                let mut sum = Sum { force: with_heat.vector(), moment: turning.vector() };
                 while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
                     let kick = [kick.get(i), twist.get(i)].map(|k| k.copied().unwrap_or_default().vector());
@@ -69,25 +68,32 @@ struct Sum {
     moment: Vec3<f64>,
 }
 
-/// Adds the pairs that particles of lower rank keep. `STRIDE` is 6 with moments, 3 without.
+/// Adds the pairs that particles of lower rank keep to force and heat rate, and to the moment. `QUADS` is 2 with moments,
+/// 1 without.
 #[inline(always)]
-fn add_incoming<const STRIDE: usize>(list: &Neighbours, i: usize, sum: &mut Sum) {
+fn add_incoming<const QUADS: usize>(list: &Neighbours, i: usize, [mut force, mut moment]: [Quad; 2]) -> [Quad; 2] {
     if i + AHEAD + 1 < list.incoming_start.len() {
         for &pair in list.incoming(i + AHEAD) {
-            prefetch(&list.reaction, STRIDE * pair as usize);
-            prefetch(&list.reaction, STRIDE * pair as usize + STRIDE - 1);
+            for k in 0..QUADS {
+                prefetch(&list.reaction, QUADS * pair as usize + k);
+            }
         }
     }
     for &pair in list.incoming(i) {
         let pair = pair as usize;
         if list.touching[pair] {
-            let reaction = &list.reaction[STRIDE * pair..STRIDE * (pair + 1)];
-            sum.force = sum.force - vec3(reaction[0], reaction[1], reaction[2]);
-            if STRIDE == 6 {
-                sum.moment = sum.moment + vec3(reaction[3], reaction[4], reaction[5]);
+            let reaction = &list.reaction[QUADS * pair..QUADS * (pair + 1)];
+            for k in 0..4 {
+                force.0[k] -= reaction[0].0[k];
+            }
+            if QUADS == 2 {
+                for k in 0..4 {
+                    moment.0[k] += reaction[1].0[k];
+                }
             }
         }
     }
+    [force, moment]
 }
 
 /// Adds the sum of a particle's bonds: its own row's, then what particles of lower rank keep.

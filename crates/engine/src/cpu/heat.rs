@@ -1,7 +1,8 @@
 //! Heat: temperatures and radii of the end of a step, and the heat rates that belong to them.
 //!
-//! The heat rate of a particle is summed like its force: contacts with higher ids, with lower ids; then the sum of its
-//! bonds from zero, in their order; then what is foreign, from zero: walls, by their indices, and its surface.
+//! The heat rate of a particle is summed like its force, in the fourth number of which it is kept: contacts with higher ids,
+//! with lower ids, in the stages contact and gather; then the sum of its bonds from zero, in their order; then what is
+//! foreign, from zero: walls, by their indices, and its surface.
 
 mod conduction;
 
@@ -23,16 +24,14 @@ use tdem_physics::heat::warming::grown;
 /// `B` of bonds.
 #[derive(Default)]
 pub(super) struct Flows {
-    /// Heat rate into the row's particle, W, `(P)`.
-    contacts: Vec<f64>,
-    /// The same through bonds, W, `(B)`.
+    /// Heat rate through a bond into the row's particle, W, `(B)`.
     bonds: Vec<f64>,
     /// Heat that the two of a pair make in this step, J, `(P)`; empty where motion makes none.
     pub(super) made: Vec<f64>,
     /// What the dashpots of a bond took in this step, J, `(B)`; empty where it does not become heat.
     pub(super) bond_losses: Vec<f64>,
     /// Elastic force of a contact, N, `(P)`; empty where the ledger does not follow expansion.
-    pressure: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
     /// Elastic tension of a bond, N, `(B)`; empty where the ledger does not follow expansion.
     pub(super) tension: Vec<f64>,
     /// Energy in the springs of a bond, J, `(B)`; empty likewise, and where its stiffness does not depend on temperature.
@@ -43,7 +42,7 @@ pub(super) struct Flows {
 
 impl Flows {
     pub(super) fn bytes(&self) -> usize {
-        let pairs = [&self.contacts, &self.made, &self.pressure];
+        let pairs = [&self.made, &self.pressure];
         let bonds = [&self.bonds, &self.bond_losses, &self.tension, &self.energy];
         pairs.into_iter().chain(bonds).map(|field| size_of_val(&field[..])).sum::<usize>() + size_of_val(&self.work[..])
     }
@@ -129,12 +128,15 @@ impl Cpu {
         })
     }
 
-    /// Heat rates of all particles at their present temperatures.
+    /// Adds what bonds, walls and surfaces do to the heat rates of all particles at their present temperatures; those of
+    /// contacts are summed already.
     pub(super) fn conduct_all(&mut self) {
         let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return };
+        if self.bonds.is_empty() && contacts_are_all(heat, &self.plan) {
+            return;
+        }
         let mut flows = std::mem::take(&mut self.flows);
         let law = Conduction { plan: &self.plan, heat, bodies: &self.bodies, bonds: &self.bonds };
-        law.pairs(&self.neighbours, &mut flows);
         law.bonds(&mut flows);
 
         let outside = outside(heat, &self.plan, self.step);
@@ -149,11 +151,11 @@ impl Cpu {
         let (list, position) = (&self.neighbours, &self.wall_position);
         let tasks = (force.par_chunks_mut(CHUNK), optional(&mut accounts), optional(&mut work)).into_par_iter();
         tasks.enumerate().for_each(|(chunk, (force, accounts, work))| {
+            let mut slots = list.walls_of(chunk).iter().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
-                let mut rate = list.row(i).fold(0.0, |sum, pair| sum + flows.contacts[pair]);
-                rate = list.incoming(i).iter().fold(rate, |sum, &pair| sum - flows.contacts[pair as usize]);
-                let at_walls = law.walls(list, i, position, &walls);
+                let mut rate = force[k].scalar();
+                let at_walls = law.walls(&mut slots, i, position, &walls);
                 let mut foreign = at_walls.rate;
                 if !self.bonds.is_empty() {
                     let own = self.bonds.row(i).fold(0.0, |sum, slot| sum + flows.bonds[slot]);
@@ -188,6 +190,15 @@ impl Cpu {
         (self.bodies.force, self.bodies.heat_accounts, self.bodies.work_per_kelvin) = (force, accounts, work);
         self.flows = flows;
     }
+}
+
+/// Whether nothing but contacts does anything to the heat of particles that have no bonds, and nobody follows the work of
+/// their expansion.
+fn contacts_are_all(heat: &HeatPlan, plan: &Plan) -> bool {
+    heat.exposures.iter().all(|exposure| exposure.exchanges.is_empty())
+        && heat.walls.iter().all(Option::is_none)
+        && !heat.makes_heat()
+        && !plan.books_expansion()
 }
 
 /// The prescribed temperature of an exposure at a time.

@@ -1,6 +1,7 @@
 //! Who may touch whom until the next search, and what pairs remember.
 
 use super::CHUNK;
+use super::bodies::Quad;
 use super::pieces::split;
 use crate::Plan;
 use rayon::prelude::*;
@@ -24,9 +25,10 @@ pub(crate) struct Neighbours {
     pub(crate) bonded: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
-    /// What the other particle feels: force on the row's particle (it feels the opposite), N, and its own moment, N m,
-    /// `(P, 6)`, or the force alone, `(P, 3)`, without moments. Valid where touching; empty in a full list.
-    pub(crate) reaction: Vec<f64>,
+    /// What the other particle feels: force on the row's particle, N, and heat rate into it, W (it feels the opposites), and
+    /// its own moment, N m, a quad each, `(P, 2)`, or the first alone, `(P)`, without moments. Valid where touching; empty in
+    /// a full list.
+    pub(crate) reaction: Vec<Quad>,
     /// Where the incoming pairs of each particle start, `(N + 1)`.
     pub(crate) incoming_start: Vec<u32>,
     /// Pairs in the rows of lower ranks, in the order of those ranks; empty in a full list.
@@ -97,6 +99,10 @@ impl Neighbours {
         }
         &self.incoming[self.incoming_start[particle] as usize..self.incoming_start[particle + 1] as usize]
     }
+    /// Wall slots of a chunk of particles.
+    pub(crate) fn walls_of(&self, chunk: usize) -> &[WallSlot] {
+        &self.wall_slots[self.wall_start[chunk] as usize..self.wall_start[chunk + 1] as usize]
+    }
     /// Lets contact act between two particles whose bond broke.
     pub(crate) fn release(&mut self, i: usize, j: usize) {
         for (from, to) in [(i, j), (j, i)] {
@@ -164,7 +170,7 @@ impl Neighbours {
 
     /// Bytes of what the other particle of a pair feels.
     pub(crate) fn reaction_bytes(law: Law) -> usize {
-        reaction_stride(law) * size_of::<f64>()
+        reaction_quads(law) * size_of::<Quad>()
     }
     /// Bytes of a half list per particle and per pair.
     pub(crate) fn bytes_each(plan: &Plan) -> [usize; 2] {
@@ -202,7 +208,7 @@ pub(crate) fn indices_by_rank(rank: &[u32]) -> Vec<u32> {
     index.into_par_iter().map(AtomicU32::into_inner).collect()
 }
 
-/// Numbers per entry of [`Neighbours::reaction`].
-pub(crate) fn reaction_stride(law: Law) -> usize {
-    if law.moments { 6 } else { 3 }
+/// Quads per entry of [`Neighbours::reaction`].
+pub(crate) fn reaction_quads(law: Law) -> usize {
+    if law.moments { 2 } else { 1 }
 }

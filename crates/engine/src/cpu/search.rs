@@ -2,7 +2,7 @@
 
 use super::bodies::Quad;
 use super::grid::{Grid, class_of, strip_order};
-use super::neighbours::{Histories, Neighbours, WallSlot, reaction_stride};
+use super::neighbours::{Histories, Neighbours, WallSlot, reaction_quads};
 use super::pieces::split;
 use super::{CHUNK, Cpu, List};
 use crate::Fault;
@@ -203,7 +203,7 @@ impl Cpu {
             bonded,
             displacement,
             reaction: if self.options.list == List::Half {
-                vec![0.0; pairs * reaction_stride(law)]
+                vec![Quad::default(); pairs * reaction_quads(law)]
             } else {
                 Vec::new()
             },
