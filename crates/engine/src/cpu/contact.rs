@@ -7,9 +7,9 @@ mod eight;
 mod heat;
 
 use super::bodies::{Bodies, Quad, sphere};
+use super::heat::Flows;
 use super::neighbours::reaction_quads;
 use super::pieces::{chunks_of, split};
-use super::heat::Flows;
 use super::{Cpu, Width};
 use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
@@ -19,8 +19,8 @@ use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, elastic_force, released_energy, respond,
-    touch_spheres,
+    Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, elastic_force, released_energy,
+    respond, touch_spheres,
 };
 use tdem_physics::heat::Dissipation;
 
@@ -58,7 +58,7 @@ pub(super) struct Rows<'a> {
     /// Pairs in which no contact acts, because their bond holds; empty if there are none.
     bonded: &'a [bool],
     displacement: &'a mut [[f64; 3]],
-    /// See [`super::neighbours::Neighbours::reaction`].
+    /// See [`super::neighbours::Reactions`].
     reaction: &'a mut [Quad],
     /// Forces on these particles and heat rates into them, by their own rows.
     force: &'a mut [Quad],
@@ -158,7 +158,7 @@ impl Cpu {
         let mut displacement = split(&mut list.displacement, &pairs);
         let quads = reaction_quads(self.plan.law);
         let reactions: Vec<usize> = pairs.iter().map(|&p| p * quads).collect();
-        let mut reaction = split(&mut list.reaction, &reactions);
+        let mut reaction = split(list.reaction.quads_mut(), &reactions);
         let mut force = split(force, &particles);
         let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);

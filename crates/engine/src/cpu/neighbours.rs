@@ -4,6 +4,7 @@ use super::CHUNK;
 use super::bodies::Quad;
 use super::pieces::split;
 use crate::Plan;
+use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tdem_physics::contact::{Friction, Law};
@@ -25,10 +26,8 @@ pub(crate) struct Neighbours {
     pub(crate) bonded: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
-    /// What the other particle feels: force on the row's particle, N, and heat rate into it, W (it feels the opposites), and
-    /// its own moment, N m, a quad each, `(P, 2)`, or the first alone, `(P)`, without moments. Valid where touching; empty in
-    /// a full list.
-    pub(crate) reaction: Vec<Quad>,
+    /// What the other particle of each pair feels; empty in a full list.
+    pub(crate) reaction: Reactions,
     /// Where the incoming pairs of each particle start, `(N + 1)`.
     pub(crate) incoming_start: Vec<u32>,
     /// Pairs in the rows of lower ranks, in the order of those ranks; empty in a full list.
@@ -43,6 +42,29 @@ pub(crate) struct Neighbours {
     pub(crate) wall_start: Vec<u32>,
     /// Walls when the list was made, m.
     pub(crate) wall_reference: Vec<[f64; 3]>,
+}
+
+/// What the other particle of a pair feels: force on the row's particle, N, and heat rate into it, W (it feels the
+/// opposites), and its own moment, N m, a quad each, `(P, 2)`, or the first alone, `(P)`, without moments. Valid where
+/// touching.
+#[derive(Default)]
+pub(crate) struct Reactions(Vec<Line>);
+
+/// What a cache moves at once. Records lie so that none needs two of them.
+#[derive(Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([Quad; 2]);
+
+impl Reactions {
+    pub(crate) fn new(pairs: usize, law: Law) -> Self {
+        Reactions(vec![Line::default(); (pairs * reaction_quads(law)).div_ceil(2)])
+    }
+    pub(crate) fn quads(&self) -> &[Quad] {
+        cast_slice(&self.0)
+    }
+    pub(crate) fn quads_mut(&mut self) -> &mut [Quad] {
+        cast_slice_mut(&mut self.0)
+    }
 }
 
 /// A particle that may touch a wall.
@@ -191,7 +213,7 @@ impl Neighbours {
             + size(&self.touching)
             + size(&self.bonded)
             + size(&self.displacement)
-            + size(&self.reaction)
+            + size(&self.reaction.0)
             + size(&self.incoming_start)
             + size(&self.incoming)
             + size(&self.reference)

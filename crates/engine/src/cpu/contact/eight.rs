@@ -232,7 +232,8 @@ impl<R: Eight> Eights<R> {
         keep_eight::<V, R>(scene, rows, group, &response, heat_rate, arms, active);
         if V::LEDGER && !rows.pressure.is_empty() {
             let zero = R::lit(0.0);
-            let pressure = R::quads([elastic_force(encounter.radius_eff, touch.overlap, &interaction), zero, zero, zero]);
+            let pressure =
+                R::quads([elastic_force(encounter.radius_eff, touch.overlap, &interaction), zero, zero, zero]);
             for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
                 rows.pressure[group.slot[l] as usize] = pressure[l][0];
             }

@@ -102,12 +102,7 @@ impl<R: Eight> WarmEights<R> {
 
 /// What conducts between eight pairs of several materials.
 #[inline(always)]
-fn gather_conductors<R: Eight>(
-    scene: &Scene<'_>,
-    warm: &Warm<'_>,
-    i: &[u32; WIDTH],
-    j: &[u32; WIDTH],
-) -> Conductor<R> {
+fn gather_conductors<R: Eight>(scene: &Scene<'_>, warm: &Warm<'_>, i: &[u32; WIDTH], j: &[u32; WIDTH]) -> Conductor<R> {
     let mut parts = [[0.0; WIDTH]; 2];
     for l in 0..WIDTH {
         let of = warm.heat.conductor(scene.material[i[l] as usize], scene.material[j[l] as usize]);
