@@ -1,5 +1,36 @@
 // Stages `contact`, `gather` and `boundary`: forces and moments of touching pairs, walls, gravity, applied forces.
 
+#if HEAT_THROUGH_CONTACTS && BONDS_KEEP_OFF
+// What a particle that touches others or walls conducts. Where bonds keep contact off, few do: kept out of the loop over
+// contacts, this costs it no registers.
+DEVICE void conduct_through_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
+                                     GLOBAL const Quad *RESTRICT place, GLOBAL const Quad *RESTRICT spin,
+                                     GLOBAL const u32 *RESTRICT kind,
+                                     GLOBAL const u32 *RESTRICT slice, GLOBAL const u32 *other,
+                                     GLOBAL const Wall *RESTRICT walls, GLOBAL const Quad *RESTRICT wall_place,
+                                     const Heated heated, Heat *heat)
+{
+    for (u32 k = slice[i / SLICE]; k < slice[i / SLICE + 1u]; ++k) {
+        const u32 entry = other[SLOT(k, i)], j = entry & ~TOUCHING;
+        if (!(entry & TOUCHING))
+            continue;
+        Touch touch;
+        if (j < step.particles) {
+            const Quad x = LOAD(place, j);
+            const real radius = RADIUS_OF_PARTNER(x);
+            touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + radius, &touch);
+            heat->contacts += from_partner(step, body, radius, touch, material, MATERIAL_OF(kind[j]),
+                                           TEMPERATURE_AT(j, LOAD(spin, j)), *heat, heated);
+        } else {
+            const Wall wall = walls[j - step.particles];
+            touch_of_wall(body.position, body.radius, vector(wall_place[j - step.particles]), wall.normal, &touch);
+            if (wall.first_piece < wall.end_piece)
+                heat->foreign += from_wall(step, wall, body, touch, material, *heat, heated);
+        }
+    }
+}
+#endif
+
 // What a particle feels. The row's order is the order of the sum: higher ranks, lower ranks, walls.
 DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
                         GLOBAL const Quad *RESTRICT place, GLOBAL const Quad *RESTRICT motion,
@@ -15,6 +46,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                         const Vec3 bond_force, const Vec3 bond_moment, Vec3 *force, Vec3 *moment)
 {
     u32 flags = 0;
+    int touches = 0;
     Vec3 f = zero(), m = zero();
     const u32 end = slice[i / SLICE + 1u];
     u32 k = slice[i / SLICE];
@@ -50,9 +82,9 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #if CONTACTS_BESIDE_BONDS
             if (!beside_bond(step, i, j, heated.bond_other))
 #endif
-#if HEAT_THROUGH_CONTACTS
-                heat->contacts += through_contact(CONDUCTOR(material, MATERIAL_OF(kind[j])), body, radius, touch, material,
-                                                  MATERIAL_OF(kind[j]), heat->temperature, heated.temperature[j], heated);
+#if HEAT_THROUGH_CONTACTS && !BONDS_KEEP_OFF
+                heat->contacts += from_partner(step, body, radius, touch, material, MATERIAL_OF(kind[j]),
+                                               TEMPERATURE_AT(j, LOAD(spin, j)), *heat, heated);
 #endif
             const Quad v = LOAD(motion, j);
 #if MOMENTS
@@ -89,6 +121,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             contact_of_spheres(body, partner, touch, kept, INTERACTION(material, MATERIAL_OF(kind[j])),
                                step.history_dt, &response);
 #endif
+            touches = 1;
             f = plus(f, response.force);
 #if MOMENTS
             m = plus(m, times(response.moment_per_arm, arm));
@@ -167,16 +200,14 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             contact_with_wall(body, touch, wall.normal, wall.velocity, kept, INTERACTION(material, wall.material),
                               step.history_dt, &response);
 #endif
+            touches = 1;
             f = plus(f, response.force);
 #if MOMENTS
             m = plus(m, times(response.moment_per_arm, arm));
 #endif
-#if HEAT_THROUGH_CONTACTS
+#if HEAT_THROUGH_CONTACTS && !BONDS_KEEP_OFF
             if (wall.first_piece < wall.end_piece)
-                heat->foreign += from_wall(CONDUCTOR(material, wall.material), body, touch, material, wall.material,
-                                           heat->temperature,
-                                           course_at(heated.pieces, wall.first_piece, wall.end_piece, step.heat_time),
-                                           heated);
+                heat->foreign += from_wall(step, wall, body, touch, material, *heat, heated);
 #endif
 #if MAKES_HEAT
             // A wall that has a temperature takes its half away.
@@ -215,6 +246,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
     *force = plus(f, times(step.gravity, body.mass));
     *moment = m;
+#if HEAT_THROUGH_CONTACTS && BONDS_KEEP_OFF
+    if (touches)
+        conduct_through_contacts(step, i, body, material, place, spin, kind, slice, other, walls, wall_place, heated, heat);
+#endif
     return flags;
 }
 
@@ -269,13 +304,14 @@ kernel contact
     if (!flags) {
         FOR_EACH(i, step.particles) {
 #if MOMENTS
-            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), LOAD(spin, i));
+            const Quad turning = LOAD(spin, i);
 #else
-            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), QUAD(0.0, 0.0, 0.0, 0.0));
+            const Quad turning = QUAD(0.0, 0.0, 0.0, 0.0);
 #endif
+            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), turning);
             Heated heated;
             LOOK_UP(heated);
-            Heat heat = heat_at(i, heated);
+            Heat heat = heat_at(TEMPERATURE_AT(i, turning));
             Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if LEDGER
             Quad account = accounts[i];
