@@ -63,13 +63,8 @@ impl Cpu {
             optional(&mut bodies.derivatives),
             optional(&mut bodies.image),
             optional(&mut bodies.moment),
-            (optional(&mut bodies.kick), optional(&mut bodies.twist)),
-            (
-                optional(&mut bodies.orientation),
-                optional(&mut bodies.temperature),
-                optional(&mut bodies.heat_accounts),
-                optional(&mut bodies.warming),
-            ),
+            (optional(&mut bodies.kick), optional(&mut bodies.twist), optional(&mut bodies.orientation)),
+            (optional(&mut bodies.temperature), optional(&mut bodies.heat_accounts), optional(&mut bodies.warming)),
         )
             .into_par_iter()
             .enumerate()
@@ -87,8 +82,8 @@ impl Cpu {
                         derivatives,
                         image,
                         moment,
-                        (kick, twist),
-                        (orientation, temperature, accounts, warming),
+                        (kick, twist, orientation),
+                        (temperature, accounts, warming),
                     ),
                 )| {
                     let mut report = Report::START;
@@ -136,6 +131,11 @@ impl Cpu {
                 },
             )
             .reduce(|| (Report::START, Warmed::NOTHING), |a, b| (a.0.merge(b.0), a.1.merge(b.1)));
+        self.heed(report, warmed)
+    }
+
+    /// Whether the neighbour list still holds, or what went wrong.
+    fn heed(&mut self, report: Report, warmed: Warmed) -> Result<(), Fault> {
         if report.astray != NONE {
             return Err(self.astray(report.astray));
         }
