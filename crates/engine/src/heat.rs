@@ -225,6 +225,10 @@ impl HeatPlan {
     pub(crate) fn flows(&self) -> bool {
         self.time_scale > 0.0
     }
+    /// Whether contacts conduct along with the motion.
+    pub(crate) fn through_contacts(&self) -> bool {
+        self.flows() && self.contacts != Path::Closed
+    }
     /// Whether friction or dashpots make heat.
     #[must_use]
     pub fn makes_heat(&self) -> bool {

@@ -8,7 +8,7 @@ mod heat;
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::heat::Flows;
-use super::neighbours::reaction_quads;
+use super::neighbours::reaction_numbers;
 use super::pieces::{chunks_of, split};
 use super::{Cpu, Width};
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
@@ -58,8 +58,9 @@ pub(super) struct Rows<'a> {
     /// Pairs in which no contact acts, because their bond holds; empty if there are none.
     bonded: &'a [bool],
     displacement: &'a mut [[f64; 3]],
-    /// See [`super::neighbours::Reactions`].
-    reaction: &'a mut [Quad],
+    reaction: &'a mut [f64],
+    /// See [`reaction_numbers`].
+    reaction_numbers: usize,
     /// Forces on these particles and heat rates into them, by their own rows.
     force: &'a mut [Quad],
     /// Moments on these particles, by their own rows.
@@ -157,9 +158,9 @@ impl Cpu {
         let mut tasks = Vec::with_capacity(particles.len());
         let mut touching = split(&mut list.touching, &pairs);
         let mut displacement = split(&mut list.displacement, &pairs);
-        let quads = reaction_quads(self.plan.law);
-        let reactions: Vec<usize> = pairs.iter().map(|&p| p * quads).collect();
-        let mut reaction = split(list.reaction.quads_mut(), &reactions);
+        let reaction_numbers = reaction_numbers(&self.plan);
+        let reactions: Vec<usize> = pairs.iter().map(|&p| p * reaction_numbers).collect();
+        let mut reaction = split(&mut list.reaction, &reactions);
         let mut force = split(force, &particles);
         let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);
@@ -175,6 +176,7 @@ impl Cpu {
                 bonded: list.bonded.get(pairs[chunk]..pairs[chunk + 1]).unwrap_or_default(),
                 displacement: displacement.next().unwrap_or_default(),
                 reaction: reaction.next().unwrap_or_default(),
+                reaction_numbers,
                 force: force.next().unwrap_or_default(),
                 moment: moment.next().unwrap_or_default(),
                 accounts: accounts.next().unwrap_or_default(),
@@ -258,13 +260,16 @@ impl Rows<'_> {
                 self.moment[mine].0[k] += moments[0][k];
             }
         }
-        if !V::MOMENTS {
-            if let Some(reaction) = self.reaction.get_mut(pair) {
-                reaction.0 = force;
+        let numbers = self.reaction_numbers;
+        if let Some(reaction) = self.reaction.get_mut(numbers * pair..numbers * (pair + 1)) {
+            let felt = if V::MOMENTS { 6 } else { 3 };
+            reaction[..3].copy_from_slice(&force[..3]);
+            if V::MOMENTS {
+                reaction[3..6].copy_from_slice(&moments[1][..3]);
             }
-        } else if let Some(reaction) = self.reaction.get_mut(2 * pair..2 * pair + 2) {
-            reaction[0].0 = force;
-            reaction[1].0 = moments[1];
+            if let Some(heat_rate) = reaction.get_mut(felt) {
+                *heat_rate = force[3];
+            }
         }
     }
     /// Books what a pair lost, and the heat that it makes; a pair that is listed twice is booked by its lower rank.

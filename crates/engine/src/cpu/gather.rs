@@ -3,7 +3,7 @@
 
 use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
-use super::neighbours::{Neighbours, WallSlot};
+use super::neighbours::{Neighbours, WallSlot, reaction_numbers};
 use super::pieces::{chunks_of, split};
 use super::wide::prefetch;
 use super::{CHUNK, Cpu};
@@ -22,12 +22,11 @@ impl Cpu {
         let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
         let (list, bonds) = (&self.neighbours, &self.bonds);
-        let reaction = list.reaction.quads();
         let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
         let particles = chunks_of(n);
         let mut slots = split(&mut wall_slots, &wall_bounds);
-        let moments = self.plan.law.moments;
+        let add_incoming = adding(reaction_numbers(&self.plan));
         let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);
         let tasks: Vec<_> = split(force, &particles)
@@ -41,11 +40,7 @@ impl Cpu {
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
                 let own = [force[k], moment.get(k).copied().unwrap_or_default()];
-                let [with_heat, turning] = if moments {
-                    add_incoming::<2>(list, reaction, i, own)
-                } else {
-                    add_incoming::<1>(list, reaction, i, own)
-                };
+                let [with_heat, turning] = add_incoming(list, i, own);
                 force[k] = with_heat;
                 let mut sum = Sum { force: with_heat.vector(), moment: turning.vector() };
                 while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
@@ -73,32 +68,42 @@ struct Sum {
     moment: Vec3<f64>,
 }
 
-/// Adds the pairs that particles of lower rank keep to force and heat rate, and to the moment. `QUADS` is 2 with moments,
-/// 1 without.
-#[inline(always)]
-fn add_incoming<const QUADS: usize>(
-    list: &Neighbours,
-    reaction: &[Quad],
-    i: usize,
-    [mut force, mut moment]: [Quad; 2],
-) -> [Quad; 2] {
+/// Adds the pairs that particles of lower rank keep to force and heat rate of a particle, and to its moment.
+type Adding = fn(&Neighbours, usize, [Quad; 2]) -> [Quad; 2];
+
+/// For so many numbers of [`reaction_numbers`].
+fn adding(numbers: usize) -> Adding {
+    match numbers {
+        3 => add_incoming::<3>,
+        4 => add_incoming::<4>,
+        6 => add_incoming::<6>,
+        _ => add_incoming::<7>,
+    }
+}
+
+fn add_incoming<const NUMBERS: usize>(list: &Neighbours, i: usize, [mut force, mut moment]: [Quad; 2]) -> [Quad; 2] {
+    let (moments, warm) = (NUMBERS >= 6, NUMBERS % 3 == 1);
     // Which pairs touch no machine can foretell: those that do not add zeros, which change no bit.
-    let nothing = &[Quad::default(); 2][..QUADS];
+    let nothing = &[0.0; NUMBERS][..];
     if i + AHEAD + 1 < list.incoming_start.len() {
         for &pair in list.incoming(i + AHEAD) {
-            let at = QUADS * pair as usize;
-            prefetch(reaction, select_unpredictable(list.touching[pair as usize], at, 0));
+            let at = select_unpredictable(list.touching[pair as usize], NUMBERS * pair as usize, 0);
+            prefetch(&list.reaction, at);
+            prefetch(&list.reaction, at + NUMBERS - 1);
         }
     }
     for &pair in list.incoming(i) {
-        let at = QUADS * pair as usize;
-        let felt = select_unpredictable(list.touching[pair as usize], &reaction[at..at + QUADS], nothing);
-        for k in 0..4 {
-            force.0[k] -= felt[0].0[k];
+        let at = NUMBERS * pair as usize;
+        let felt = select_unpredictable(list.touching[pair as usize], &list.reaction[at..at + NUMBERS], nothing);
+        for k in 0..3 {
+            force.0[k] -= felt[k];
         }
-        if QUADS == 2 {
-            for k in 0..4 {
-                moment.0[k] += felt[1].0[k];
+        if warm {
+            force.0[3] -= felt[NUMBERS - 1];
+        }
+        if moments {
+            for k in 0..3 {
+                moment.0[k] += felt[3 + k];
             }
         }
     }

@@ -1,13 +1,11 @@
 //! Who may touch whom until the next search, and what pairs remember.
 
 use super::CHUNK;
-use super::bodies::Quad;
 use super::pieces::split;
-use crate::Plan;
-use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
+use crate::{HeatPlan, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
-use tdem_physics::contact::{Friction, Law};
+use tdem_physics::contact::Friction;
 
 /// The neighbour list. `P` is the number of listed pairs, `N` of particles, in working order.
 ///
@@ -26,8 +24,10 @@ pub(crate) struct Neighbours {
     pub(crate) bonded: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
-    /// What the other particle of each pair feels; empty in a full list.
-    pub(crate) reaction: Reactions,
+    /// What the other particle of each pair feels, `(P, n)` with the `n` of [`reaction_numbers`]: force on the row's
+    /// particle (it feels the opposite), N; with moments its own moment, N m; where contacts conduct, the heat rate into the
+    /// row's particle, W. Valid where touching; empty in a full list.
+    pub(crate) reaction: Vec<f64>,
     /// Where the incoming pairs of each particle start, `(N + 1)`.
     pub(crate) incoming_start: Vec<u32>,
     /// Pairs in the rows of lower ranks, in the order of those ranks; empty in a full list.
@@ -42,29 +42,6 @@ pub(crate) struct Neighbours {
     pub(crate) wall_start: Vec<u32>,
     /// Walls when the list was made, m.
     pub(crate) wall_reference: Vec<[f64; 3]>,
-}
-
-/// What the other particle of a pair feels: force on the row's particle, N, and heat rate into it, W (it feels the
-/// opposites), and its own moment, N m, a quad each, `(P, 2)`, or the first alone, `(P)`, without moments. Valid where
-/// touching.
-#[derive(Default)]
-pub(crate) struct Reactions(Vec<Line>);
-
-/// What a cache moves at once. Records lie so that none needs two of them.
-#[derive(Clone, Copy, Default, Pod, Zeroable)]
-#[repr(C, align(64))]
-struct Line([Quad; 2]);
-
-impl Reactions {
-    pub(crate) fn new(pairs: usize, law: Law) -> Self {
-        Reactions(vec![Line::default(); (pairs * reaction_quads(law)).div_ceil(2)])
-    }
-    pub(crate) fn quads(&self) -> &[Quad] {
-        cast_slice(&self.0)
-    }
-    pub(crate) fn quads_mut(&mut self) -> &mut [Quad] {
-        cast_slice_mut(&mut self.0)
-    }
 }
 
 /// A particle that may touch a wall.
@@ -191,8 +168,8 @@ impl Neighbours {
     }
 
     /// Bytes of what the other particle of a pair feels.
-    pub(crate) fn reaction_bytes(law: Law) -> usize {
-        reaction_quads(law) * size_of::<Quad>()
+    pub(crate) fn reaction_bytes(plan: &Plan) -> usize {
+        reaction_numbers(plan) * size_of::<f64>()
     }
     /// Bytes of a half list per particle and per pair.
     pub(crate) fn bytes_each(plan: &Plan) -> [usize; 2] {
@@ -200,7 +177,7 @@ impl Neighbours {
         let bonded = plan.bonds.as_ref().map_or(0, |bonds| usize::from(!bonds.contact_in_bonded_pairs));
         let displacement = if law.friction == Friction::Off { 0 } else { size_of::<[f64; 3]>() };
         let flags = (1 + bonded) * size_of::<bool>();
-        let pair = 2 * size_of::<u32>() + flags + displacement + Self::reaction_bytes(law);
+        let pair = 2 * size_of::<u32>() + flags + displacement + Self::reaction_bytes(plan);
         let listed = if plan.expands() { size_of::<f64>() } else { 0 };
         [2 * size_of::<u32>() + size_of::<[f64; 3]>() + listed, pair]
     }
@@ -213,7 +190,7 @@ impl Neighbours {
             + size(&self.touching)
             + size(&self.bonded)
             + size(&self.displacement)
-            + size(&self.reaction.0)
+            + size(&self.reaction)
             + size(&self.incoming_start)
             + size(&self.incoming)
             + size(&self.reference)
@@ -230,7 +207,9 @@ pub(crate) fn indices_by_rank(rank: &[u32]) -> Vec<u32> {
     index.into_par_iter().map(AtomicU32::into_inner).collect()
 }
 
-/// Quads per entry of [`Neighbours::reaction`].
-pub(crate) fn reaction_quads(law: Law) -> usize {
-    if law.moments { 2 } else { 1 }
+/// Numbers per entry of [`Neighbours::reaction`].
+pub(crate) fn reaction_numbers(plan: &Plan) -> usize {
+    let warm = plan.heat.as_ref().is_some_and(HeatPlan::through_contacts);
+    let felt = if plan.law.moments { 6 } else { 3 };
+    felt + usize::from(warm)
 }

@@ -64,7 +64,8 @@ impl Cpu {
         let verlet = usize::from(!gear);
         let touching = list.touching.iter().filter(|&&touches| touches).count();
         let remembered = if law.friction == Friction::Off { 0 } else { touching * size_of::<[f64; 3]>() };
-        let reaction = if self.options.list == List::Half { touching * Neighbours::reaction_bytes(law) } else { 0 };
+        let reaction =
+            if self.options.list == List::Half { touching * Neighbours::reaction_bytes(&self.plan) } else { 0 };
         let spin = if law.moments { size(&b.spin) } else { 0 };
         let (kicks, sums) = (size(&b.kick) + size(&b.twist), size(&b.force) + size(&b.moment));
         let rows = size(&list.start) + size(&list.other);
@@ -99,7 +100,7 @@ impl Cpu {
             + incoming
             + size(&list.touching)
             + size(&list.displacement)
-            + size(list.reaction.quads())
+            + size(&list.reaction)
             + size(&list.reference)
             + size(&list.wall_slots)
             + 2 * histories;

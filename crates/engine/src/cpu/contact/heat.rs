@@ -21,7 +21,7 @@ pub(super) struct Warm<'a> {
 impl<'a> Warm<'a> {
     /// `None` where no contact conducts.
     pub(super) fn of(plan: &'a Plan, temperature: &'a [f64], bonds: &'a Bonds) -> Option<Self> {
-        let heat = plan.heat.as_ref().filter(|heat| heat.flows() && heat.contacts != Path::Closed)?;
+        let heat = plan.heat.as_ref().filter(|heat| heat.through_contacts())?;
         let beside = plan.bonds.as_ref().is_some_and(|bonds| bonds.contact_in_bonded_pairs);
         Some(Warm { heat, temperature, bonds: Some(bonds).filter(|bonds| beside && !bonds.is_empty()) })
     }
