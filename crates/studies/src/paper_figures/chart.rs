@@ -72,7 +72,7 @@ impl Axis {
                 let decades = libm::log10(self.high / self.low);
                 let within: &[f64] = if decades < 1.3 {
                     &[1.0, 2.0, 3.0, 5.0, 7.0]
-                } else if decades < 3.0 {
+                } else if decades < 3.2 {
                     &[1.0, 2.0, 5.0]
                 } else {
                     &[1.0]
