@@ -104,6 +104,8 @@ pub(super) struct Chart {
     x: Axis,
     y: Axis,
     text: String,
+    /// Where texts stand beside points.
+    notes: Vec<([f64; 2], String)>,
 }
 
 /// What stands at the head of a drawing.
@@ -119,7 +121,7 @@ fn write_text(text: &mut String, [x, y]: [f64; 2], anchor: &str, what: &str) {
 impl Chart {
     /// Axes with their grid.
     pub(super) fn new(x: Axis, y: Axis, about: &str) -> Self {
-        let mut chart = Chart { x, y, text: head(HEIGHT, about) };
+        let mut chart = Chart { x, y, text: head(HEIGHT, about), notes: Vec::new() };
         let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
         for tick in chart.x.ticks() {
             let at = chart.across(tick);
@@ -176,10 +178,23 @@ impl Chart {
         let end = drawn[1..].split(' ').next().unwrap_or_default();
         let _ = writeln!(self.text, "{drawn}<title>{about}</title></{end}>");
     }
-    /// A short text beside a point.
-    pub(super) fn note(&mut self, [x, y]: [f64; 2], anchor: &str, [right, down]: [f64; 2], what: &str) {
-        let at = [self.across(x) + right, self.up(y) + down];
-        write_text(&mut self.text, at, anchor, what);
+    /// A short text beside a point, unless the same stands there already.
+    pub(super) fn note(&mut self, [x, y]: [f64; 2], what: &str) {
+        let at = [self.across(x) + 6.0, self.up(y) + 4.0];
+        let near = |(other, text): &([f64; 2], String)| {
+            text == what && (other[0] - at[0]).abs() < 12.0 && (other[1] - at[1]).abs() < 12.0
+        };
+        if !self.notes.iter().any(near) {
+            write_text(&mut self.text, at, "start", what);
+            self.notes.push((at, what.to_owned()));
+        }
+    }
+    /// An upright line from the horizontal axis to a value.
+    pub(super) fn upright(&mut self, x: f64, until: f64, class: &str) {
+        let low = self.y.low;
+        if until > low {
+            self.line(&[[x, low], [x, until]], class);
+        }
     }
     /// The drawing.
     pub(super) fn finish(self) -> String {
@@ -187,14 +202,16 @@ impl Chart {
     }
 }
 
-/// A bar of parts, each with its class, a text for it and what stands on it.
+/// A value, the class of its bar, and a text for where a pointer rests.
+pub(super) type Part = (f64, String, String);
+
+/// Bars that belong together: parts of one bar, or bars side by side.
 pub(super) struct Bar {
     pub(super) label: String,
-    /// From 0 to 1.
-    pub(super) parts: Vec<(f64, String, String)>,
+    pub(super) parts: Vec<Part>,
 }
 
-/// Bars of parts of a whole, one below the other.
+/// Bars of parts of a whole, from 0 to 1, one below the other.
 pub(super) fn stacked(bars: &[Bar], about: &str) -> String {
     const ROW: f64 = 30.0;
     const LABELS: f64 = 96.0;
@@ -231,20 +248,15 @@ pub(super) fn stacked(bars: &[Bar], about: &str) -> String {
     text + "</svg>\n"
 }
 
-/// Groups of bars side by side: each a label, and values with their class and a text.
-pub(super) fn grouped(
-    title: &'static str,
-    groups: &[(String, Vec<(f64, String, String)>)],
-    label: fn(f64) -> String,
-    about: &str,
-) -> String {
-    let values = groups.iter().flat_map(|(_, bars)| bars.iter().map(|(value, _, _)| *value));
+/// Groups of bars side by side.
+pub(super) fn grouped(title: &'static str, groups: &[Bar], label: fn(f64) -> String, about: &str) -> String {
+    let values = groups.iter().flat_map(|group| group.parts.iter().map(|(value, _, _)| *value));
     let y = Axis::of(title, Scale::Linear, values, label);
     let x =
         Axis { title: "", scale: Scale::Linear, low: 0.0, high: groups.len().max(1) as f64, label: |_| String::new() };
     let mut chart = Chart::new(Axis { high: x.high, ..x.clone() }, y, about);
     let bottom = HEIGHT - BOTTOM;
-    for (k, (name, bars)) in groups.iter().enumerate() {
+    for (k, Bar { label: name, parts: bars }) in groups.iter().enumerate() {
         let middle = chart.across(k as f64 + 0.5);
         write_text(&mut chart.text, [middle, bottom + 18.0], "middle", name);
         let width = 0.82 * (chart.across(1.0) - chart.across(0.0)) / bars.len().max(1) as f64;
@@ -282,7 +294,13 @@ mod tests {
         for shape in [Shape::Disc, Shape::Square, Shape::Ring, Shape::Cross] {
             chart.mark([10.0, 2.0], shape, "c1", "ten & two");
         }
+        chart.note([10.0, 2.0], "p");
+        chart.note([10.1, 2.0], "p");
+        chart.note([10.1, 2.0], "q");
+        chart.upright(100.0, 4.0, "c2");
         let text = chart.finish();
+        assert_eq!((text.matches(">p</text>").count(), text.matches(">q</text>").count()), (1, 1));
+        assert!(text.contains("c2\" d=\"M446.0 284.0L446.0 12.0\""), "{text}");
         assert!(text.contains("d=\"M62.0 284.0L446.0 12.0\"") && text.contains("a &lt; b"), "{text}");
         assert_eq!(text.matches("<title>ten &amp; two</title>").count(), 4);
         for element in ["circle", "rect", "path", "svg", "text"] {
@@ -314,7 +332,8 @@ mod tests {
         let text = stacked(&[Bar { label: "GN".into(), parts }], "");
         assert!(text.contains("width=\"90.0\"") && text.contains("width=\"18.0\"") && !text.contains("p2"), "{text}");
         assert_eq!(text.matches("class=\"on\"").count(), 1, "a narrow part has no number on it");
-        let groups = [("GN".to_owned(), vec![(1.0, "c0".into(), String::new()), (2.0, "c1".into(), String::new())])];
+        let parts = vec![(1.0, "c0".into(), String::new()), (2.0, "c1".into(), String::new())];
+        let groups = [Bar { label: "GN".into(), parts }];
         let text = grouped("time", &groups, plain, "");
         let heights: Vec<f64> = text
             .split("class=\"bar")

@@ -73,8 +73,8 @@ pub struct Work {
     pub correct: Count,
 }
 
-fn of<F: Formula>(formula: F) -> Count {
-    let function = function(&formula);
+fn of<F: Formula>(formula: &F) -> Count {
+    let function = function(formula);
     Count { always: function.always.arithmetic() as f64, at_most: function.operations().arithmetic() as f64 }
 }
 
@@ -89,36 +89,36 @@ impl Work {
     pub fn of_step(plan: &Plan, numbers: Numbers, evaluations: Evaluations) -> Self {
         let particles = numbers.particles as f64;
         let gear = plan.integrator == Integrator::Gear;
-        let turn = when(plan.law.moments, of(SphereInertia) + of(Kick));
-        let move_on = if gear { of(GearPredict) } else { of(Kick) + of(Drift) + turn };
+        let turn = when(plan.law.moments, of(&SphereInertia) + of(&Kick));
+        let move_on = if gear { of(&GearPredict) } else { of(&Kick) + of(&Drift) + turn };
         let heat = plan.heat.as_ref();
         let expands = plan.expands();
         let predict = move_on
-            + when(plan.bonds.is_some() && numbers.bonds > 0, of(TurnOrientation))
-            + when(heat.is_some(), of(Warmed))
-            + when(expands, of(Grown));
-        let correct = if gear { of(GearCorrect) } else { of(Kick) } + turn;
+            + when(plan.bonds.is_some() && numbers.bonds > 0, of(&TurnOrientation))
+            + when(heat.is_some(), of(&Warmed))
+            + when(expands, of(&Grown));
+        let correct = if gear { of(&GearCorrect) } else { of(&Kick) } + turn;
         let damped = plan.bonds.as_ref().is_some_and(|bonds| bonds.local_damping > 0.0);
         let path = heat.map(|heat| heat.contacts).filter(|&path| path != Path::Closed);
-        let contact = of(TouchOfSpheres)
-            + of(ContactOfSpheres { law: plan.law })
-            + path.map_or(Count::default(), |path| of(BetweenSpheres { path }) + of(HeatFlow));
+        let contact = of(&TouchOfSpheres)
+            + of(&ContactOfSpheres { law: plan.law })
+            + path.map_or(Count::default(), |path| of(&BetweenSpheres { path }) + of(&HeatFlow));
         // Each side has an arm, whoever evaluates the pair.
-        let arms = when(plan.law.moments, of(LeverArm) * 2.0);
+        let arms = when(plan.law.moments, of(&LeverArm) * 2.0);
         let bond = plan.bonds.as_ref().map_or(Count::default(), |bonds| {
             let law = match bonds.law.form {
-                Form::Total => of(BondTotal { damping: bonds.law.damping }),
+                Form::Total => of(&BondTotal { damping: bonds.law.damping }),
                 Form::Incremental(tension) => {
-                    of(BondRest) + of(BondIncremental { tension, damping: bonds.law.damping })
+                    of(&BondRest) + of(&BondIncremental { tension, damping: bonds.law.damping })
                 }
             };
-            law + when(heat.is_some(), of(LinkConductance) + of(HeatFlow)) + when(expands, of(FreeStrain))
+            law + when(heat.is_some(), of(&LinkConductance) + of(&HeatFlow)) + when(expands, of(&FreeStrain))
         });
         Work {
             predict: predict * particles,
             bond: bond * (evaluations.bond * numbers.bonds) as f64,
             contact: (contact * evaluations.contact as f64 + arms) * numbers.contacts as f64,
-            boundary: when(damped, of(LocalDamping) * 2.0) * particles,
+            boundary: when(damped, of(&LocalDamping) * 2.0) * particles,
             correct: correct * particles,
         }
     }
@@ -151,8 +151,8 @@ mod tests {
         assert_eq!(once.contact.at_most - once.contact.always, 21.0 * 600.0);
         let one = (twice.contact.always - once.contact.always) / 600.0;
         let arms = once.contact.always / 600.0 - one;
-        assert_eq!(one, of(TouchOfSpheres).always + 164.0);
-        assert_eq!(arms, 2.0 * of(LeverArm).always);
+        assert_eq!(one, of(&TouchOfSpheres).always + 164.0);
+        assert_eq!(arms, 2.0 * of(&LeverArm).always);
         assert_eq!((once.bond, once.boundary), (Count::default(), Count::default()));
         assert_eq!(once.predict, twice.predict, "particles move once");
         assert!(work(Model::GN, Mode::Best, ONCE).contact.always < once.contact.always / 3.0);
@@ -161,10 +161,10 @@ mod tests {
     #[test]
     fn bonds_heat_and_gear_add_what_they_compute() {
         let [bonds, heat] = [Model::BPM, Model::TBPM].map(|model| work(model, Mode::Paper, ONCE));
-        let by_heat = of(LinkConductance) + of(HeatFlow) + of(FreeStrain);
+        let by_heat = of(&LinkConductance) + of(&HeatFlow) + of(&FreeStrain);
         assert_eq!(heat.bond.always - bonds.bond.always, 590.0 * by_heat.always);
-        assert_eq!(heat.predict.always - bonds.predict.always, 100.0 * (of(Warmed) + of(Grown)).always);
-        assert_eq!(bonds.boundary, of(LocalDamping) * 200.0);
+        assert_eq!(heat.predict.always - bonds.predict.always, 100.0 * (of(&Warmed) + of(&Grown)).always);
+        assert_eq!(bonds.boundary, of(&LocalDamping) * 200.0);
         let [gear, verlet] = Mode::ALL.map(|mode| work(Model::GN, mode, ONCE));
         assert!(gear.predict.always > 3.0 * verlet.predict.always && gear.correct.always > verlet.correct.always);
         assert_eq!(gear.contact, verlet.contact);

@@ -51,15 +51,18 @@ fn opening(view: &View<'_>) -> String {
         escaped(&published.cpu),
         escaped(&record.version)
     );
-    let applications: Vec<String> =
-        Model::ALL.into_iter().map(|model| format!("{model}: {}", model.application())).collect();
-    let _ = writeln!(text, "<p class=\"soft\">{}.</p>", applications.join("; "));
+    let applications = [Model::GNTM, Model::BPM, Model::TBPM].map(Model::application);
+    let _ = writeln!(
+        text,
+        "<p>GN, GNT and GNTM run in the {}, BPM in the {}, TBPM in the {}.</p>",
+        applications[0], applications[1], applications[2]
+    );
     let done = record.measurements.len();
     if done < record.planned {
         let _ = writeln!(text, "<p><b>{done} of {} measurements are on this page.</b></p>", record.planned);
     }
     text += "<div class=\"wide\"><table><tr><th class=\"text\">device</th><th class=\"text\">driver</th>\
-             <th>a copy moves</th><th>at most</th><th>P100 scaled by</th></tr>\n";
+             <th>a copy moves</th><th>operations at most</th><th>P100 scaled by</th></tr>\n";
     for machine in &record.machines {
         let _ = writeln!(
             text,

@@ -135,6 +135,7 @@ impl Published {
 
 #[cfg(test)]
 mod tests {
+    use super::Quantity as Q;
     use super::*;
     use Model::{BPM, GN, GNT, GNTM, TBPM};
 
@@ -146,7 +147,6 @@ mod tests {
                 published.find(quantity, model, device).unwrap_or_else(|| panic!("{quantity:?} {model:?}"));
             (entry.value, entry.range)
         };
-        use Quantity as Q;
         let gpu = Some(On::Gpu);
         let expected = [
             (Q::Bandwidth, None, gpu, 549e9),

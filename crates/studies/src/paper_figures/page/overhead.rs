@@ -1,6 +1,6 @@
 //! Figure 6: what models cost over the simplest one.
 
-use super::super::chart::grouped;
+use super::super::chart::{Bar, grouped};
 use super::super::figures::View;
 use super::super::published::On;
 use super::super::{Measured, Mode, Model, Quantity};
@@ -41,7 +41,7 @@ pub(super) fn section(view: &View<'_>) -> String {
             let value = (column.value)(model)?;
             Some((value, column.class.to_owned(), format!("{model}, {}: {}", column.name, digits(value))))
         };
-        (model.to_string(), columns.iter().filter_map(bar).collect())
+        Bar { label: model.to_string(), parts: columns.iter().filter_map(bar).collect() }
     };
     let groups: Vec<_> = Model::ALL.into_iter().map(group).collect();
     let drawn = grouped("time over that of GN", &groups, short, "Time of a step over that of GN, by model");

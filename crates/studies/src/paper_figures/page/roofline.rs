@@ -60,10 +60,7 @@ fn chart(view: &View<'_>, place: usize) -> String {
     let until = right.min(machine.operations_per_second / bandwidth);
     chart.line(&[left, until].map(|x| [x, 1e-9 * bandwidth * x]), "paper broken thin");
     for (_, intensity) in marks {
-        chart.line(
-            &[[intensity, 1e-9 * bandwidth * left], [intensity, 1e-9 * roof(machine, intensity)]],
-            "paper dotted thin",
-        );
+        chart.upright(intensity, 1e-9 * roof(machine, intensity), "paper dotted thin");
     }
     for (measured, point) in points {
         let (class, x, y) = (colour(measured.model), point.intensity(), 1e-9 * point.rate());
@@ -85,7 +82,7 @@ fn chart(view: &View<'_>, place: usize) -> String {
             "bond" => "b",
             _ => "s",
         };
-        chart.note([x, y], "start", [6.0, 4.0], letter);
+        chart.note([x, y], letter);
     }
     let used = Mode::ALL.into_iter().flat_map(|mode| view.at(place, mode));
     format!("<figure><b>{}</b>{}{}</figure>\n", escaped(&machine.name), chart.finish(), conditions(view, used))
