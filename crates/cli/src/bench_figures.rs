@@ -8,6 +8,7 @@ use crate::memory;
 use crate::render::{Report, Reports};
 use crate::units::{argument, clock, counted};
 use clap::Args;
+use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -149,9 +150,9 @@ fn machines(arguments: &Arguments) -> Result<Vec<Machine>, Reports> {
     for &choice in &arguments.device {
         let found = choice.find(options)?;
         let beside = choice == Choice::Auto && found.listing.is_some();
-        machines.push(machine(found)?);
+        machines.push(machine(&found)?);
         if beside {
-            machines.push(machine(Choice::Cpu.find(options)?)?);
+            machines.push(machine(&Choice::Cpu.find(options)?)?);
         }
     }
     let mut known: Vec<Machine> = Vec::new();
@@ -163,7 +164,7 @@ fn machines(arguments: &Arguments) -> Result<Vec<Machine>, Reports> {
     Ok(machines)
 }
 
-fn machine(found: Found) -> Result<Machine, Reports> {
+fn machine(found: &Found) -> Result<Machine, Reports> {
     let operations_per_second = found.device.arithmetic_rate().map_err(|fault| {
         Report::new("tdem::bench::fault", format!("{}: arithmetic cannot be measured: {fault}", found.name))
     })?;
@@ -221,7 +222,7 @@ fn command(arguments: &Arguments) -> String {
     let mut text = "tdem bench --paper-figures".to_owned();
     let mut add = |name: &str, values: Vec<String>| {
         if !values.is_empty() {
-            text += &format!(" --{name} {}", values.join(","));
+            let _ = write!(text, " --{name} {}", values.join(","));
         }
     };
     let devices = arguments.device.iter().map(|choice| match choice {
