@@ -94,6 +94,6 @@ pub(super) fn section(view: &View<'_>) -> String {
                  contact history is what the search does with what pairs remember, and the kernel of contacts also adds \
                  gravity, walls and the results of bonds, so that nothing is left for \u{201c}external and \
                  boundary\u{201d}. On the CPU the search carries the history over by itself: it is in \
-                 \u{201c}search\u{201d} there; heat is timed with integration and boundary.";
+                 \u{201c}search\u{201d} there; heat is timed with the stages that it is part of.";
     wrapped(4, "share of each procedure", about, &body)
 }
