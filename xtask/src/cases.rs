@@ -4,6 +4,8 @@ use crate::command::{Command, Failure, cargo, program_at};
 use crate::workspace::Workspace;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Child;
+use std::sync::Mutex;
 
 /// The main job: this case runs to its end.
 const WHOLE: &str = "packing";
@@ -12,8 +14,16 @@ const STEPS: &str = "200";
 /// What reads the results.
 const READERS: &[&str] = &["vtk", "h5py", "numpy"];
 
+/// The program as users have it. It has one unit of code per crate, so that building it leaves a core to others.
+const BUILD: &str = "build --release --quiet --package tdem";
+
+/// Begins to build the program, beside other parts. Whoever builds it later waits until this is done.
+pub(crate) fn build_ahead() -> Result<Child, Failure> {
+    cargo(BUILD).start()
+}
+
 pub(crate) fn run(workspace: &Workspace) -> Result<(), Failure> {
-    cargo("build --release --quiet --package tdem").run()?;
+    cargo(BUILD).run()?;
     let program = workspace.target.join("release").join(format!("tdem{}", std::env::consts::EXE_SUFFIX));
     let results = results(workspace);
     if results.exists() {
@@ -36,13 +46,22 @@ pub(crate) fn read(workspace: &Workspace) -> Result<(), Failure> {
     if runs.is_empty() {
         return Err(Failure("there are no results to read; the part `cases` makes them".into()));
     }
-    let script = program_at(python(workspace)?).argument(workspace.root.join("scripts/check_results.py"));
+    let script = program_at(python(&workspace.target)?).argument(workspace.root.join("scripts/check_results.py"));
     runs.iter().fold(script, Command::argument).run()
 }
 
-/// A Python that has the readers, installed on first use.
-fn python(workspace: &Workspace) -> Result<PathBuf, Failure> {
-    let environment = workspace.target.join("venv");
+/// Begins to install the readers, beside other parts: it takes the network more than a core.
+pub(crate) fn readers_ahead(workspace: &Workspace) {
+    let target = workspace.target.clone();
+    // Where it fails, who needs them tries again and tells why.
+    std::thread::spawn(move || python(&target).is_ok());
+}
+
+/// A Python that has the readers, installed on first use, by one thread.
+fn python(target: &Path) -> Result<PathBuf, Failure> {
+    static INSTALLING: Mutex<()> = Mutex::new(());
+    let _one = INSTALLING.lock();
+    let environment = target.join("venv");
     let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let import = format!("import {}", READERS.join(", "));
     if !program_at(&python).argument("-c").argument(import).succeeds() {
