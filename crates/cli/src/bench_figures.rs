@@ -27,7 +27,9 @@ and as this program does by default; without a ledger. Its figures 3 to 7 are dr
 numbers beside it, on one page, index.html, that needs no other file; bench.json and table.md hold the numbers. The files
 are written after each measurement, so that Ctrl-C leaves what is complete.";
 
+// Groups have the names of their structs unless they are told another.
 #[derive(Args, Debug)]
+#[group(id = "figures")]
 pub(crate) struct Arguments {
     /// Draw the paper's figures 3 to 7 from measurements on this machine
     #[arg(long, required = true)]
