@@ -1,6 +1,7 @@
 //! `tdem bench`: how fast this machine is, as data.
 
 use crate::bench_case;
+use crate::bench_figures;
 use crate::console::{data, say};
 use crate::files;
 use crate::machine::{instructions, processor, width};
@@ -14,9 +15,12 @@ use tdem_engine::physics::contact::Law;
 use tdem_studies::bench::{ContactBlock, Measurement, contact};
 
 #[derive(Args, Debug)]
+#[command(arg_required_else_help = true, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = bench_figures::HELP)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    benchmark: Benchmark,
+    benchmark: Option<Benchmark>,
+    #[command(flatten)]
+    figures: bench_figures::Arguments,
 }
 
 #[derive(Debug, Subcommand)]
@@ -92,8 +96,9 @@ impl Model {
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let arguments = match &arguments.benchmark {
-        Benchmark::Contact(arguments) => arguments,
-        Benchmark::Case(arguments) => return bench_case::execute(arguments),
+        None => return bench_figures::execute(&arguments.figures),
+        Some(Benchmark::Case(arguments)) => return bench_case::execute(arguments),
+        Some(Benchmark::Contact(arguments)) => arguments,
     };
     let &[x, y, z] = &arguments.cells[..] else {
         return Err(Report::new("tdem::bench::cells", "--cells takes three numbers, such as 20,20,40").into());

@@ -2,6 +2,7 @@
 
 mod bench;
 mod bench_case;
+mod bench_figures;
 mod bench_stages;
 mod calibrate;
 mod cases;

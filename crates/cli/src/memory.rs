@@ -20,7 +20,12 @@ fn too_little(needed: u64, available: u64) -> Option<Report> {
     })
 }
 
-/// Memory that programs can still get, bytes, in the words of Linux.
+/// Memory that programs can still get, bytes, where the system tells.
+pub(crate) fn free() -> Option<u64> {
+    available(&std::fs::read_to_string("/proc/meminfo").ok()?)
+}
+
+/// The same, in the words of Linux.
 fn available(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)

@@ -187,6 +187,37 @@ fn calibrate_says_what_cannot_be_had() {
 }
 
 #[test]
+fn bench_draws_the_figures_of_the_paper() {
+    let room = Room::new();
+    let bench = ["bench", "--paper-figures", "--device", "cpu,opencl", "--threads", "2", "--sizes", "small"];
+    let few = ["--models", "GN,TBPM", "--seconds", "1e-6", "--out", "figures"];
+    let said = room.tdem(&[&bench[..], &few].concat()).exits(0);
+    for part in ["| GN | paper | 8000 |", "| TBPM | best | 5324 |", "P100, scaled", "a copy moves"] {
+        assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
+    }
+    let read = |name: &str| std::fs::read_to_string(room.path(name)).expect("it was written");
+    let found: serde_json::Value = serde_json::from_str(&read("figures/bench.json")).unwrap();
+    let rows = found["measurements"].as_array().unwrap();
+    assert_eq!((rows.len(), found["planned"].as_u64()), (8, Some(8)));
+    for row in rows {
+        // Measurements of one step each end in the same state on every device.
+        let same = |other: &&serde_json::Value| ["model", "mode", "hash"].iter().all(|key| row[key] == other[key]);
+        assert_eq!(rows.iter().filter(same).count(), 2, "{row}");
+    }
+    for machine in found["machines"].as_array().unwrap() {
+        assert!(machine["operations_per_second"].as_f64().unwrap() > 1e8, "{machine}");
+    }
+    let page = read("figures/index.html");
+    assert!(page.contains("--models GN,TBPM") && page.contains("Figure 7: roofline"));
+    assert!(said.out.trim_end().ends_with(read("figures/table.md").trim_end()));
+    room.tdem(&["bench"]).exits(2);
+    room.tdem(&["bench", "--sizes", "small"]).exits(2);
+    room.tdem(&["bench", "--paper-figures", "--sizes", "7k"]).exits(2);
+    room.write("file", "");
+    room.tdem(&["bench", "--paper-figures", "--out", "file"]).exits(1).complains(&["tdem::cli::write"]);
+}
+
+#[test]
 fn bench_case_tells_where_the_time_goes() {
     let room = Room::new();
     let bench = ["bench", "case", "case.toml", "--threads", "1", "--paper", "--steps", "5", "--repeats", "1"];

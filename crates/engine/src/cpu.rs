@@ -3,6 +3,7 @@
 //! Particles stand in the order of a space-filling curve and are renumbered now and then; a particle's persistent
 //! `rank` (its place in the order of ids) decides every order that could change a bit.
 
+mod arithmetic;
 mod bodies;
 mod bond;
 mod bonds;
@@ -22,6 +23,7 @@ mod wide;
 
 use crate::step::{Backend, Stages, step};
 use crate::{Capture, Fault, Plan, Profile, State};
+pub(crate) use arithmetic::rate as arithmetic_rate;
 pub(crate) use bodies::{Quad, second_derivative};
 pub(crate) use grid::class_of;
 pub(crate) use neighbours::indices_by_rank;

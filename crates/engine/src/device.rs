@@ -41,6 +41,19 @@ impl From<&Device> for Device {
 }
 
 impl Device {
+    /// How many additions and multiplications in 64 bits the device makes in a second, where nothing waits for memory: the
+    /// best of several measurements of chains $x \leftarrow a x + b$, rounded twice as all laws are, never fused. On the CPU
+    /// all its threads take part.
+    ///
+    /// # Errors
+    /// [`Fault::Device`] if the device cannot be used, [`Fault::Threads`] if threads cannot be started.
+    pub fn arithmetic_rate(&self) -> Result<f64, Fault> {
+        match *self {
+            Device::Cpu(options) => cpu::arithmetic_rate(&options),
+            Device::Gpu { api, index } => gpu::arithmetic_rate(api, index),
+        }
+    }
+
     /// A back end that holds the state.
     pub(crate) fn open(self, state: State, plan: &Plan) -> Result<Box<dyn Backend>, Fault> {
         if plan.heat.as_ref().is_some_and(|heat| heat.motion.takes_turns()) {

@@ -1,5 +1,6 @@
 //! GPUs through OpenCL and CUDA: one dialect of kernels, and one trait with a runtime for each interface behind it.
 
+mod arithmetic;
 mod bodies;
 mod bonds;
 mod cuda;
@@ -93,6 +94,14 @@ pub(crate) fn open_field(
     Ok(match api {
         Api::OpenCl => Box::new(Conducting::new(devices::open_opencl(index)?, state, plan, heat)?),
         Api::Cuda => Box::new(Conducting::new(devices::open_cuda(index)?, state, plan, heat)?),
+    })
+}
+
+/// How many additions and multiplications in 64 bits a device makes in a second.
+pub(crate) fn arithmetic_rate(api: Api, index: usize) -> Result<f64, Fault> {
+    Ok(match api {
+        Api::OpenCl => arithmetic::rate(devices::open_opencl(index)?)?,
+        Api::Cuda => arithmetic::rate(devices::open_cuda(index)?)?,
     })
 }
 

@@ -9,9 +9,11 @@
 //! * [`Schedule`] when a run ends and when its state is wanted
 //! * [`Motion`] what particles do while heat goes on
 //!
-//! The engine does no input or output, and no clock is looked at but for a [`Profile`]. One step is `step.rs`; its stages have the same names as the files of the
+//! The engine does no input or output, and no clock is looked at but for a [`Profile`] and for what a
+//! device can do at most ([`Device::arithmetic_rate`]). One step is `step.rs`; its stages have the same names as the files of the
 //! back ends, [`cpu`] and [`gpu`].
 
+mod arithmetic;
 mod bond;
 mod capture;
 pub mod cpu;

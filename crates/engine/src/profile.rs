@@ -115,24 +115,29 @@ impl Stages for Timed<'_> {
 
 /// What is copied to measure how fast memory is, bytes: more than caches hold.
 pub(crate) const COPY_BYTES: usize = 256 << 20;
-/// Measurements of the copy, of which the best counts.
-const COPIES: usize = 5;
+/// Measurements, of which the best counts.
+const MEASUREMENTS: usize = 5;
 /// Each takes at least so long, s, so that starting it does not count.
-const COPY_SECONDS: f64 = 0.005;
+const LEAST_SECONDS: f64 = 0.005;
 
 /// Bytes per second, read and written, of copies of so many bytes: the best of several measurements. `copy` starts the
 /// given number of copies and waits for them.
-pub(crate) fn best_copy<E>(bytes: usize, mut copy: impl FnMut(usize) -> Result<(), E>) -> Result<f64, E> {
-    let mut time = |copies: usize| {
+pub(crate) fn best_copy<E>(bytes: usize, copy: impl FnMut(usize) -> Result<(), E>) -> Result<f64, E> {
+    Ok(2.0 * bytes as f64 / shortest(copy)?)
+}
+
+/// How long some work takes, s: the best of several measurements. `work` does it so many times and waits for the end.
+pub(crate) fn shortest<E>(mut work: impl FnMut(usize) -> Result<(), E>) -> Result<f64, E> {
+    let mut time = |times: usize| {
         let start = Instant::now();
-        copy(copies).map(|()| start.elapsed().as_secs_f64() / copies as f64)
+        work(times).map(|()| start.elapsed().as_secs_f64() / times as f64)
     };
-    // The first one touches memory that was never used.
+    // The first one touches memory and code that was never used.
     time(1)?;
-    let copies = (COPY_SECONDS / time(1)?).ceil().clamp(1.0, 1e4) as usize;
+    let times = (LEAST_SECONDS / time(1)?).ceil().clamp(1.0, 1e4) as usize;
     let mut best = f64::INFINITY;
-    for _ in 0..COPIES {
-        best = best.min(time(copies)?);
+    for _ in 0..MEASUREMENTS {
+        best = best.min(time(times)?);
     }
-    Ok(2.0 * bytes as f64 / best)
+    Ok(best)
 }

@@ -117,7 +117,14 @@ impl Phase {
     /// # Errors
     /// The [`Fault`] of a run that cannot go on.
     pub fn measure(&self, state: State, plan: Plan, device: &Device) -> Result<Measurement, Fault> {
-        let mut simulation = Simulation::new(state, plan, device)?;
+        self.measure_in(&mut Simulation::new(state, plan, device)?, device)
+    }
+
+    /// The same of a simulation that runs on this device already.
+    ///
+    /// # Errors
+    /// The [`Fault`] of a run that cannot go on.
+    pub fn measure_in(&self, simulation: &mut Simulation, device: &Device) -> Result<Measurement, Fault> {
         let particles = simulation.particles();
         simulation.advance(self.after)?;
         let searches = simulation.searches();

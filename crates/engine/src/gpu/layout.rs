@@ -636,6 +636,8 @@ kernels! {
     }
 }
 
+/// The table of what arithmetic is measured with.
+pub(super) mod arithmetic;
 /// The table of heat alone.
 pub(super) mod network;
 
@@ -651,6 +653,7 @@ mod tests {
     fn structs_are_as_large_in_kernels_as_here() {
         let mut sizes = record_sizes();
         sizes.extend(network::record_sizes());
+        sizes.extend(arithmetic::record_sizes());
         sizes.extend([
             (Pair::NAME, size_of::<Pair>()),
             (Beam::NAME, size_of::<Beam>()),
@@ -664,6 +667,7 @@ mod tests {
         ]);
         let mut source = print::types() + &print::bond_types() + &print::heat_types() + &record_definitions();
         source += &network::record_definitions();
+        source += &arithmetic::record_definitions();
         source += "KERNEL(64, 1) sizes(GLOBAL u32 *RESTRICT size)\n{\n    FOR_EACH(i, 1u) {\n";
         for (k, (name, _)) in sizes.iter().enumerate() {
             let _ = writeln!(source, "        size[{k}] = (u32)sizeof({name});");
