@@ -40,14 +40,27 @@ pub(crate) fn read(workspace: &Workspace) -> Result<(), Failure> {
     runs.iter().fold(script, Command::argument).run()
 }
 
+/// Opens the reports of all runs in a browser.
+pub(crate) fn show(workspace: &Workspace) -> Result<(), Failure> {
+    let runs = entries(&results(workspace))?;
+    if runs.is_empty() {
+        return Err(Failure("there are no reports to show; the part `cases` makes them".into()));
+    }
+    let script = program_at(system_python()).argument(workspace.root.join("scripts/check_report.py"));
+    runs.iter().fold(script, Command::argument).run()
+}
+
+fn system_python() -> &'static str {
+    if cfg!(windows) { "python" } else { "python3" }
+}
+
 /// A Python that has the readers, installed on first use.
 fn python(workspace: &Workspace) -> Result<PathBuf, Failure> {
     let environment = workspace.target.join("venv");
     let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let import = format!("import {}", READERS.join(", "));
     if !program_at(&python).argument("-c").argument(import).succeeds() {
-        let system = if cfg!(windows) { "python" } else { "python3" };
-        program_at(system).argument("-m").argument("venv").argument(&environment).run()?;
+        program_at(system_python()).argument("-m").argument("venv").argument(&environment).run()?;
         let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
         let install = pip.iter().chain(READERS).fold(program_at(&python), Command::argument);
         install.run()?;
