@@ -42,8 +42,8 @@ impl Command {
         self.inner.arg(argument);
         self
     }
-    pub(crate) fn variable(mut self, name: &str, value: &str) -> Self {
-        self.shown = format!("{name}={value:?} {}", self.shown);
+    pub(crate) fn variable(mut self, name: &str, value: impl AsRef<OsStr>) -> Self {
+        self.shown = format!("{name}={} {}", value.as_ref().display(), self.shown);
         self.inner.env(name, value);
         self
     }
@@ -52,6 +52,11 @@ impl Command {
     pub(crate) fn run(mut self) -> Result<(), Failure> {
         let status = self.inner.status().map_err(|error| self.failure(&error))?;
         if status.success() { Ok(()) } else { Err(self.failure(&status)) }
+    }
+
+    /// Starts it and does not wait; whether it succeeds is found out by who needs its work.
+    pub(crate) fn start(mut self) -> Result<std::process::Child, Failure> {
+        self.inner.stdout(Stdio::null()).stderr(Stdio::null()).spawn().map_err(|error| self.failure(&error))
     }
 
     /// Whether it exists and succeeds; its output is thrown away.

@@ -41,7 +41,7 @@ const PARTS: &[Part] = &[
     Part { name: "readers", what: "VTK and h5py read what the cases wrote", run: |w, _| cases::read(w) },
     Part { name: "reports", what: "a browser shows the reports of the cases", run: |w, _| cases::show(w) },
     Part { name: "doctests", what: "examples in the documentation", run: |_, count| suite::examples(count) },
-    Part { name: "tests", what: "tests", run: |_, count| suite::all(count) },
+    Part { name: "tests", what: "tests", run: |w, count| suite::all(w, count) },
 ];
 
 fn main() -> ExitCode {
@@ -93,6 +93,11 @@ fn ci(parts: Vec<&Part>) -> ExitCode {
     };
     let mut count = Count::default();
     let mut code = ExitCode::SUCCESS;
+    let has = |name: &str| parts.len() > 1 && parts.iter().any(|part| part.name == name);
+    let ahead = has("cases").then(cases::build_ahead);
+    if has("readers") {
+        cases::readers_ahead(&workspace);
+    }
     for part in parts {
         println!("=== {}: {}", part.name, part.what);
         let start = Instant::now();
@@ -103,6 +108,10 @@ fn ci(parts: Vec<&Part>) -> ExitCode {
             break;
         }
         println!("=== {} took {:.0} s", part.name, start.elapsed().as_secs_f64());
+    }
+    // If a part failed before, this must not go on alone.
+    if let Some(Ok(mut building)) = ahead {
+        let _ = building.kill().and_then(|()| building.wait());
     }
     if count.ran {
         println!("{count}");

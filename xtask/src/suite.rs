@@ -1,6 +1,7 @@
 //! Tests, counted.
 
 use crate::command::{Command, Failure, cargo};
+use crate::workspace::Workspace;
 use std::fmt;
 
 /// How tests ended, as their runners say.
@@ -26,11 +27,30 @@ pub(crate) fn examples(count: &mut Count) -> Result<(), Failure> {
     counted(cargo("test --doc --workspace --no-fail-fast"), count)
 }
 
+/// The test that compiles most kernels: most of its time it takes one core.
+const LONGEST: &str = "test(equal_bits_on_every_back_end)";
+
 /// All other tests: with nextest if it is installed, else one binary after the other.
-pub(crate) fn all(count: &mut Count) -> Result<(), Failure> {
-    let nextest = cargo("nextest --version").succeeds();
-    let runner = if nextest { "nextest run --workspace" } else { "test --workspace --all-targets --no-fail-fast" };
-    counted(cargo(runner), count)
+///
+/// With nextest the longest test runs beside the others. Both use PoCL, whose cache on disk processes must not share at the same
+/// time, and so it has one of its own.
+pub(crate) fn all(workspace: &Workspace, count: &mut Count) -> Result<(), Failure> {
+    if !cargo("nextest --version").succeeds() {
+        return counted(cargo("test --workspace --all-targets --no-fail-fast"), count);
+    }
+    let nextest = || cargo("nextest run --workspace");
+    nextest().argument("--no-run").run()?;
+    let cache = workspace.target.join("longest-test").join("pocl");
+    let longest = nextest().argument("-E").argument(LONGEST).variable("POCL_CACHE_DIR", &cache);
+    let others = nextest().argument("-E").argument(format!("not {LONGEST}"));
+    let (mut first, mut second) = (Count::default(), Count::default());
+    let (one, other) = std::thread::scope(|scope| {
+        let beside = scope.spawn(|| counted(longest, &mut first));
+        let others = counted(others, &mut second);
+        (beside.join().unwrap_or_else(|_| Err(Failure("the thread of the longest test panicked".into()))), others)
+    });
+    count.join(first, second);
+    one.and(other)
 }
 
 fn counted(command: Command, count: &mut Count) -> Result<(), Failure> {
@@ -38,6 +58,14 @@ fn counted(command: Command, count: &mut Count) -> Result<(), Failure> {
 }
 
 impl Count {
+    /// Adds two runs that shared the tests: each leaves out what the other ran, and both what is ignored.
+    fn join(&mut self, first: Count, second: Count) {
+        self.ran |= first.ran || second.ran;
+        self.passed += first.passed + second.passed;
+        self.failed += first.failed + second.failed;
+        self.skipped += second.skipped.saturating_sub(first.passed + first.failed);
+    }
+
     /// Adds a runner's summary, if a line is one.
     fn add(&mut self, line: &str) {
         if let Some((_, result)) = line.trim().split_once("test result: ") {
@@ -89,5 +117,14 @@ mod tests {
             count.add(line);
         }
         assert_eq!(count.to_string(), "45 passed, 3 failed, 3 skipped");
+    }
+
+    #[test]
+    fn what_one_of_two_runs_leaves_to_the_other_is_not_skipped() {
+        let (mut first, mut second, mut both) = (Count::default(), Count::default(), Count::default());
+        first.add("     Summary [ 300.000s] 1 test run: 1 passed (1 slow), 473 skipped");
+        second.add("     Summary [ 200.000s] 462 tests run: 461 passed, 1 failed, 12 skipped");
+        both.join(first, second);
+        assert_eq!(both.to_string(), "462 passed, 1 failed, 11 skipped");
     }
 }

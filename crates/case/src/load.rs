@@ -1,10 +1,11 @@
 //! From a file to a checked case.
 
+use crate::build::Built;
 use crate::check;
 use crate::courses;
 use crate::overrides;
 use crate::problem::{Problem, Problems, Source};
-use crate::schema::{Case, Model, json_schema};
+use crate::schema::{Case, Model, OutOfRange, Positive, Step, json_schema};
 use crate::structure;
 use crate::tree::Node;
 use std::path::{Path, PathBuf};
@@ -94,6 +95,19 @@ impl Loaded {
         // All types serialise; if one did not, the text as read would still be the case.
         let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());
         format!("# Every default written out.\n{size}{body}")
+    }
+
+    /// The same with the step that was chosen, so that reading it takes that one, whatever happens to the files that the case
+    /// names.
+    ///
+    /// # Errors
+    /// If the step is none.
+    pub fn kept(&self, built: &Built) -> Result<String, OutOfRange> {
+        let mut kept = self.clone();
+        kept.case.time.step = Step::Seconds(Positive::try_from(built.plan.dt)?);
+        let chosen =
+            if built.limits.auto { "# time.step was \"auto\"; this is the step that was chosen.\n" } else { "" };
+        Ok(chosen.to_owned() + &kept.effective_toml())
     }
 
     /// The same case without heat: TBPM becomes BPM. What only heat has goes with it: surfaces, temperatures, tables of bonds,

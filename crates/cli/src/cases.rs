@@ -2,7 +2,7 @@
 
 use crate::render::{Report, Reports};
 use std::path::Path;
-use tdem_case::schema::{Field, Picture, Positive, Step};
+use tdem_case::schema::{Field, Picture};
 use tdem_case::{Built, Case, Fields, Loaded, Problems};
 use tdem_engine::State;
 use tdem_results::curve::{Axis, Curve};
@@ -44,15 +44,10 @@ pub(crate) fn run(directory: &Path) -> Result<State, String> {
     load_final_state(directory).map(|last| last.state).map_err(|error| error.to_string())
 }
 
-/// The case that a run keeps: with the step it chose, so that resuming takes the same one whatever happens to the
-/// files that the case names.
+/// The case that a run keeps.
 pub(crate) fn kept(loaded: &Loaded, built: &Built) -> Result<String, Reports> {
-    let mut kept = loaded.clone();
-    let step = Positive::try_from(built.plan.dt)
-        .map_err(|error| Report::new("tdem::case::step", format!("the time step cannot be used: {error}")))?;
-    kept.case.time.step = Step::Seconds(step);
-    let chosen = if built.limits.auto { "# time.step was \"auto\"; this is the step that was chosen.\n" } else { "" };
-    Ok(chosen.to_owned() + &kept.effective_toml())
+    let kept = loaded.kept(built);
+    kept.map_err(|error| Report::new("tdem::case::step", format!("the time step cannot be used: {error}")).into())
 }
 
 /// What frames hold.

@@ -44,6 +44,14 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Reports> {
     })
 }
 
+/// Removes a file, if it is there.
+pub(crate) fn remove(path: &Path) -> Result<(), Reports> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(refused(path, &error)),
+        _ => Ok(()),
+    }
+}
+
 /// A file or folder could not be written.
 pub(crate) fn refused(path: &Path, error: &std::io::Error) -> Reports {
     Report::new("tdem::cli::write", format!("cannot write {}: {error}", argument(path)))

@@ -16,7 +16,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 use tdem_case::{Loaded, Memory};
 use tdem_engine::{Plan, Simulation, State};
-use tdem_studies::ladder::{Error, Halved, Progress, Rung, climb, kept_bytes, rungs, step_seconds};
+use tdem_studies::ladder::{
+    Earlier, Error, Failure, Halt, Halved, Progress, Rung, climb, folder_of, kept_bytes, prepare, rungs, step_seconds,
+};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -33,7 +35,11 @@ pub(crate) struct Arguments {
     /// Directory for the results [default: runs/NAME-ladder, after the case file]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Replace the results that are in the directory
+    /// Go on with the ladder that is in the directory, if there is one: rungs that are complete are read, one that was stopped
+    /// goes on at its last checkpoint
+    #[arg(long, conflicts_with = "overwrite")]
+    resume: bool,
+    /// Replace the ladder that is in the directory
     #[arg(long)]
     overwrite: bool,
     /// Change a line of the case, as for `tdem run`
@@ -51,6 +57,7 @@ Examples:
   tdem ladder cases/heating.toml
   tdem ladder cases/heating.toml --rungs 2 --set heat.duration=2000.0 --set time.end=0.004
   tdem ladder cases/heating.toml --set size=88k --device cuda --out runs/price
+  tdem ladder cases/heating.toml --set size=88k --device cuda --out runs/price --resume
 
 Heat that goes S times as fast as motion leaves bodies less time to follow. The case runs at S, S/2, S/4, ... with the same
 step, so that each run takes twice as long as the one before, and runs are compared particle by particle and bond by bond
@@ -60,8 +67,12 @@ its difference away from what a run without acceleration gives, and the second o
 Heat that is \"frozen\" or in turns with the motion (\"quasi-static\") has its own time: the case then runs with steps of the heat
 h, h/2, h/4, ...
 
-Ctrl-C ends the run under way and compares those that are complete. Frames are not written. What moves by the clock of the motion (prescribed motion, walls that move, forces along points)
-would be elsewhere on each rung of S: such a case is refused. Gravity and constant forces may be there.";
+Ctrl-C ends the run under way, and so does a fault; all is compared as far as it got. --resume then goes on, to the same
+bits, and a script of a queue may always give it. Each run leaves checkpoints and what is compared in rung-1, rung-2, ... of
+the directory; frames are not written. A ladder that is there may be given more rungs, or instants that divide the old.
+
+What moves by the clock of the motion (prescribed motion, walls that move, forces
+along points) would be elsewhere on each rung of S: such a case is refused. Gravity and constant forces may be there.";
 
 /// The file that stands for the results.
 const TABLE: &str = "ladder.csv";
@@ -74,9 +85,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let out = arguments.out.clone().unwrap_or_else(|| default_directory(&arguments.case));
     let loaded = cases::load(&arguments.case, &arguments.set)?;
     let (table, document) = (out.join(TABLE), out.join(REPORT));
-    if !arguments.overwrite && (table.exists() || document.exists()) {
+    let earlier = arguments.earlier();
+    if earlier == Earlier::Refuse && is_there(&out, arguments.rungs) {
         let out = argument(&out);
-        let help = "replace it: add --overwrite\nkeep both: add --out DIR";
+        let help = "go on with it: add --resume\nreplace it: add --overwrite\nkeep both: add --out DIR";
         return Err(Report::new("tdem::ladder::exists", format!("{out} holds a ladder already")).help(help).into());
     }
     arguments.machine.prepare()?;
@@ -89,42 +101,65 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     fs::create_dir_all(&out).map_err(|error| files::refused(&out, &error))?;
     files::try_to_write(&table)?;
     files::try_to_write(&document)?;
+    if earlier == Earlier::Remove {
+        // A ladder that is stopped early writes no table, and the old one would seem to be its own.
+        [&table, &document].into_iter().try_for_each(|path| files::remove(path))?;
+    }
+    let there = prepare(&out, &rungs, earlier).map_err(halted)?;
     let start = |state: State, plan: Plan| Simulation::new(state, plan, device.device);
     if !arguments.quiet {
-        let step = step_seconds(&rungs[0], TRIAL, start).map_err(report)?;
+        // What a trial meets, the first rung will meet and tell.
+        let step = step_seconds(&rungs[0], TRIAL, start).ok();
         let machine = entry("device", &device.name) + entry("results in", argument(&out)).trim_end();
-        say(before(&loaded, &rungs, step, needed) + &machine);
+        say(before(&loaded, &rungs, &there, step, needed) + &machine);
     }
     let mut meter = Meter::new(arguments.quiet);
     signals.defer();
-    let climbed = climb(rungs, arguments.instants, start, &mut |progress: &Progress<'_>| {
+    let climbed = climb(rungs, arguments.instants, Some(&out), start, &mut |progress: &Progress<'_>| {
         meter.show(progress.done, progress.steps, || line(progress));
         if signals.caught().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     meter.finish();
-    let ladder = climbed.map_err(report)?;
-    let complete = ladder.rungs.len() == arguments.rungs as usize;
-    let stopped = signals.caught().filter(|_| !complete);
+    let ladder = climbed.map_err(halted)?;
+    if !ladder.rungs.is_empty() {
+        data(ladder_table::text(&ladder))?;
+    }
+    // Where nothing is compared, nothing is worth a file.
+    if !ladder.pairs.is_empty() {
+        let title = if loaded.case.title.is_empty() { &loaded.source.name } else { &loaded.case.title };
+        files::write(&table, ladder_table::csv(&ladder).as_bytes())?;
+        files::write(&document, ladder_table::markdown(title, &loaded.source.name, &ladder).as_bytes())?;
+        if !arguments.quiet {
+            say(format!("Written: {}, {}", argument(&table), argument(&document)));
+        }
+    }
+    let complete = format!("{} of {} rungs are complete", ladder.complete(), arguments.rungs);
+    if let Some(Failure { label, fault }) = ladder.failure {
+        let message = format!("rung {label} of the ladder came to no end, as above; {complete}");
+        let stopped = Report::new("tdem::ladder::fault", message);
+        return Err(Reports::from(fault).and(stopped.help("`tdem run` shows how far the case gets by itself")));
+    }
+    let stopped = signals.caught().filter(|_| ladder.complete() < arguments.rungs as usize);
     if let Some(signal) = stopped {
-        let (name, rungs) = (signals::name(signal), ladder.rungs.len());
-        say(format!("Stopped by {name}: {rungs} of {} rungs are complete.", arguments.rungs));
+        say(format!("Stopped by {}: {complete}. The same command with --resume goes on.", signals::name(signal)));
     }
-    let code = stopped.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(128 + signal));
-    if ladder.rungs.is_empty() {
-        return Ok(code);
+    Ok(stopped.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(128 + signal)))
+}
+
+impl Arguments {
+    fn earlier(&self) -> Earlier {
+        match (self.resume, self.overwrite) {
+            (true, _) => Earlier::GoOn,
+            (_, true) => Earlier::Remove,
+            _ => Earlier::Refuse,
+        }
     }
-    data(ladder_table::text(&ladder))?;
-    if ladder.pairs.is_empty() {
-        // Nothing is compared, so that nothing is worth a file.
-        return Ok(code);
-    }
-    let title = if loaded.case.title.is_empty() { &loaded.source.name } else { &loaded.case.title };
-    files::write(&table, ladder_table::csv(&ladder).as_bytes())?;
-    files::write(&document, ladder_table::markdown(title, &loaded.source.name, &ladder).as_bytes())?;
-    if !arguments.quiet {
-        say(format!("Written: {}, {}", argument(&table), argument(&document)));
-    }
-    Ok(code)
+}
+
+/// Whether a directory holds anything of a ladder.
+fn is_there(out: &Path, rungs: u32) -> bool {
+    let files = [out.join(TABLE), out.join(REPORT)].into_iter();
+    files.chain((0..rungs as usize).map(|rung| folder_of(out, rung).join("case.toml"))).any(|path| path.exists())
 }
 
 fn default_directory(case: &Path) -> PathBuf {
@@ -134,7 +169,7 @@ fn default_directory(case: &Path) -> PathBuf {
 }
 
 /// What is about to run, and how long it will take.
-fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, needed: u64) -> String {
+fn before(loaded: &Loaded, rungs: &[Rung], there: &[u64], step_seconds: Option<f64>, needed: u64) -> String {
     let (case, first) = (&loaded.case, &rungs[0].built);
     let steps: Vec<u64> = rungs.iter().map(|rung| rung.built.schedule.steps).collect();
     let listed = |cells: Vec<String>| cells.join(", ");
@@ -149,9 +184,16 @@ fn before(loaded: &Loaded, rungs: &[Rung], step_seconds: f64, needed: u64) -> St
     text += &entry("step", summary::step(first));
     text += &entry("steps", listed(steps.iter().map(|&steps| grouped(steps)).collect()));
     text += &entry("memory", format!("about {}", bytes(needed)));
-    let all = step_seconds * steps.iter().sum::<u64>() as f64;
-    let time = Duration::try_from_secs_f64(all).unwrap_or(Duration::MAX);
-    text + &entry("time", format!("about {}, by the first steps", clock(time)))
+    let done: u64 = there.iter().sum();
+    if done > 0 {
+        text += &entry("there already", listed(there.iter().map(|&steps| grouped(steps)).collect()) + " steps");
+    }
+    if let Some(step_seconds) = step_seconds {
+        let left = step_seconds * steps.iter().sum::<u64>().saturating_sub(done) as f64;
+        let time = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
+        text += &entry("time", format!("about {}, by the first steps", clock(time)));
+    }
+    text
 }
 
 /// What matters, the most wanted first.
@@ -187,14 +229,21 @@ fn report(error: Error) -> Reports {
             return Reports::from(problems).and(Report::new("tdem::ladder::refused", message));
         }
         Error::OutOfRange(_) => ("tdem::ladder::out-of-range", "ask for fewer rungs with --rungs"),
-        Error::Different => {
+    };
+    Report::new(code, message).help(help).into()
+}
+
+/// Why there is nothing to show.
+fn halted(halt: Halt) -> Reports {
+    let message = halt.to_string();
+    let (code, help) = match halt {
+        Halt::Different => {
             ("tdem::ladder::different", "no case should cause this: please report it with the case and the command")
         }
-        Error::Fault { label, fault } => {
-            let message = format!("rung {label} of the ladder came to no end, as above");
-            let stopped = Report::new("tdem::ladder::fault", message);
-            return Reports::from(fault).and(stopped.help("`tdem run` shows how far the case gets by itself"));
+        Halt::OtherCase { .. } => {
+            ("tdem::ladder::other-case", "begin anew: add --overwrite in place of --resume\nkeep both: add --out DIR")
         }
+        Halt::Results(error) => return error.into(),
     };
     Report::new(code, message).help(help).into()
 }

@@ -27,12 +27,12 @@ stresses, beside the root mean square of these stresses on the finer rung; order
 over this one; broken: bonds that are broken on both rungs, and those broken on one only; kinetic: kinetic over elastic
 energy on both.";
 /// Columns of a rung; the second tells what is halved.
-fn outcomes(ladder: &Ladder) -> [&'static str; 6] {
+fn outcomes(ladder: &Ladder) -> [&'static str; 7] {
     let halved = match ladder.halved {
         Halved::TimeScale => "time scale",
         Halved::HeatStep => "heat step s",
     };
-    ["rung", halved, "steps", "time", "broken bonds", "hash"]
+    ["rung", halved, "heat s", "steps", "time", "broken bonds", "hash"]
 }
 
 /// For a terminal.
@@ -109,8 +109,10 @@ fn verdict(ladder: &Ladder, index: usize) -> Option<String> {
     let last = pair.differences.last()?;
     let hottest = pair.worst(|found| found.temperature.largest)?;
     let tensest = pair.worst(|found| found.stress.rms)?;
+    let end =
+        if fine.complete { "at the end".to_owned() } else { format!("after {} s of heat", short(last.heat_time)) };
     let mut text = format!(
-        "{} in place of {}: at the end temperatures differ by at most {} K, mean stresses by {} Pa{}{}",
+        "{} in place of {}: {end} temperatures differ by at most {} K, mean stresses by {} Pa{}{}",
         fine.label,
         coarse.label,
         number(last.temperature.largest, 2),
@@ -130,7 +132,7 @@ fn verdict(ladder: &Ladder, index: usize) -> Option<String> {
     let orders = orders(ladder, index, pair.differences.len() - 1);
     if let [Some(temperature), Some(stress)] = orders {
         let [temperature, stress] = [temperature, stress].map(|order| format!("{order:.2}"));
-        let _ = write!(text, "; orders at the end: temperatures {temperature}, stresses {stress}");
+        let _ = write!(text, "; orders {end}: temperatures {temperature}, stresses {stress}");
     }
     Some(text + ".")
 }
@@ -195,18 +197,19 @@ fn halved(ladder: &Ladder, rung: &Outcome) -> String {
     }
 }
 
-fn rungs(ladder: &Ladder) -> Vec<[String; 6]> {
+fn rungs(ladder: &Ladder) -> Vec<[String; 7]> {
     ladder.rungs.iter().map(|rung| outcome(ladder, rung)).collect()
 }
 
-fn outcome(ladder: &Ladder, rung: &Outcome) -> [String; 6] {
+fn outcome(ladder: &Ladder, rung: &Outcome) -> [String; 7] {
     [
         rung.label.clone(),
         halved(ladder, rung),
+        short(rung.heat_time),
         grouped(rung.steps),
         clock(Duration::try_from_secs_f64(rung.clock_secs).unwrap_or_default()),
         format!("{} of {}", grouped(rung.broken_bonds), grouped(rung.bonds)),
-        format!("{:032x}", rung.hash),
+        rung.hash.map_or("-".to_owned(), |hash| format!("{hash:032x}")),
     ]
 }
 

@@ -130,16 +130,50 @@ fn ctrl_c_compares_the_rungs_that_are_complete() {
     use std::io::{BufRead, BufReader};
     let room = Room::new();
     room.write("warm.toml", WARM);
-    let mut process = room.start(&[&LADDER[..], &["--instants", "2", "--set", "time.end=0.1"]].concat());
+    let mut process = room.start(&[&LADDER[..], &["--instants", "2", "--set", "time.end=0.02"]].concat());
     let mut lines = BufReader::new(process.stderr.take().unwrap()).lines().map(Result::unwrap);
     assert!(lines.any(|line| line.contains("rung 3 of 3")), "the third rung begins");
     common::signal(&process, "INT");
     let told: Vec<String> = lines.collect();
     let said = common::Said::of(&process.wait_with_output().unwrap()).exits(128 + 2);
     assert!(told.iter().any(|line| line.contains("Stopped by Ctrl-C: 2 of 3 rungs are complete")), "{told:?}");
+    assert!(told.iter().any(|line| line.contains("--resume")), "{told:?}");
     assert!(said.out.contains("against S/2") && !said.out.contains("S/4"), "{}", said.out);
     let table = fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap();
     assert_eq!(table.lines().count(), 1 + 2, "{table}");
+
+    let again = [&LADDER[..], &["--instants", "2", "--set", "time.end=0.02"]].concat();
+    room.tdem(&again).exits(1).complains(&["tdem::ladder::exists", "--resume", "--overwrite", "--out"]);
+    let resumed = room.tdem(&[&again[..], &["--resume"]].concat()).exits(0);
+    assert!(resumed.out.contains("S/2 = 10000 against S/4 = 5000"), "{}", resumed.out);
+    resumed.complains(&["there already", "rung 3 of 3"]);
+    let longer = fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap();
+    assert!(longer.starts_with(&table) && longer.lines().count() == 1 + 2 * 2, "{longer}");
+    let other = [&LADDER[..], &["--instants", "2", "--set", "time.end=0.01", "--resume"]].concat();
+    room.tdem(&other).exits(1).complains(&["tdem::ladder::other-case", "rung-1", "--overwrite"]);
+}
+
+#[test]
+fn a_fault_leaves_the_table_of_what_ended_before() {
+    let room = Room::new();
+    // A grain leaves the domain when the second rung is at three quarters.
+    let grain = "[[particles]]\nmaterial = \"rock\"\nloose = true\nvelocity = [16.0, 0.0, 0.0]\n\
+                 list = { radius = 0.005, positions = [[0.05, 0.05, 0.0]] }\n";
+    room.write("warm.toml", &WARM.replace("[[surface]]", &format!("{grain}[[surface]]")));
+    let ladder = [&LADDER[..], &["--instants", "4", "--set", "time.end=2e-3"]].concat();
+    let said = room.tdem(&ladder).exits(1);
+    for part in ["S = 2e5 against S/2 = 1e5", "S/2 in place of S: after"] {
+        assert!(said.out.contains(part), "`{part}` is not in:\n{}", said.out);
+    }
+    let fault = ["left the domain", "tdem::ladder::fault", "rung S/2 of the ladder", "1 of 3 rungs are complete"];
+    let said = said.complains(&fault);
+    let table = fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 3, "{table}");
+    // It goes on behind the last instant, to the same fault.
+    let again = room.tdem(&[&ladder[..], &["--resume"]].concat()).exits(1).complains(&fault);
+    assert_eq!(fs::read_to_string(room.path("runs/warm-ladder/ladder.csv")).unwrap(), table);
+    let at = |said: &common::Said| said.err.lines().find(|line| line.contains("left the domain")).map(str::to_owned);
+    assert_eq!(at(&again), at(&said));
 }
 
 #[test]

@@ -181,9 +181,14 @@ impl HeatPlan {
         if self.tables.conductivity.is_empty() {
             return conductance;
         }
-        let mean = mean_temperature(temperatures[0], temperatures[1]);
-        let [first, second] = materials.map(|material| self.tables.conductivity[usize::from(material)].value(mean));
+        let [first, second] = self.conductivities(materials, temperatures);
         tempered(conductance, first, second)
+    }
+    /// Conductivities of both materials at the mean of two temperatures, K, where they depend on it, W/(m K).
+    #[inline(always)]
+    pub(crate) fn conductivities(&self, materials: [u16; 2], temperatures: [f64; 2]) -> [f64; 2] {
+        let mean = mean_temperature(temperatures[0], temperatures[1]);
+        materials.map(|material| self.tables.conductivity[usize::from(material)].value(mean))
     }
     /// What a particle exchanges through a surface, at its temperature, K.
     #[inline(always)]

@@ -65,7 +65,8 @@ impl Profile {
     /// Time of all parts together, s.
     #[must_use]
     pub fn seconds_of_parts(&self) -> f64 {
-        self.parts.iter().map(|part| part.seconds).sum()
+        // From 0: the sum of nothing would be -0.
+        self.parts.iter().fold(0.0, |sum, part| sum + part.seconds)
     }
 }
 

@@ -484,8 +484,8 @@ fn heat_takes_the_memory_that_is_foretold() {
         ..warm.clone()
     };
     let n = warm.len();
-    // Two temperatures, an exposure, two radii, four accounts, the work of expansion and how much warmer it got.
-    let each = 2 * 8 + 4 + 2 * 8 + 4 * 8 + 2 * 8;
+    // An exposure, two radii, four accounts, the work of expansion and how much warmer it got; temperatures stand in spins.
+    let each = 4 + 2 * 8 + 4 * 8 + 2 * 8;
     let held = |state: &State, plan: &Plan| {
         Simulation::new(state.clone(), plan.clone(), gpu()).expect("the scene is sound").bytes()
     };
@@ -494,6 +494,9 @@ fn heat_takes_the_memory_that_is_foretold() {
     assert!((n * each..n * each + 1024).contains(&of_heat), "{of_heat} of {n}");
     let foretold = |plan: &Plan| tdem_engine::gpu::bytes(plan, n, 0, 0);
     assert_eq!(foretold(&warm_plan) - foretold(&cold_plan), n * each);
+    // Where particles do not turn, temperatures stand apart, twice.
+    let unturned = |plan: &Plan| Plan { law: Law { moments: false, ..plan.law }, ..plan.clone() };
+    assert_eq!(foretold(&unturned(&warm_plan)) - foretold(&unturned(&cold_plan)), n * (each + 2 * 8));
 }
 
 #[test]

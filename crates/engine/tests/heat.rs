@@ -187,11 +187,16 @@ fn bits_do_not_depend_on_how_heat_is_computed() {
         temper(&mut plan);
         (state, plan)
     };
+    let beside = |(state, mut plan): (State, Plan)| {
+        plan.bonds.as_mut().expect("the plan has bonds").contact_in_bonded_pairs = true;
+        (state, plan)
+    };
     let scenes = [
         ("cloud", 400, warm_cloud()),
         ("block", 400, block()),
         ("cloud with tables", 200, tempered(warm_cloud())),
         ("block with tables", 400, tempered(block())),
+        ("block with contacts beside its bonds", 400, beside(block())),
     ];
     for (name, steps, (state, mut plan)) in scenes {
         keep_books(&mut plan, true);
@@ -210,6 +215,25 @@ fn bits_do_not_depend_on_how_heat_is_computed() {
             let mut other = plan.clone();
             other.search.skin = skin;
             assert_eq!(after(&state, &other, Options::default(), steps).hash(), expected.hash(), "{name}, skin {skin}");
+        }
+    }
+}
+
+/// Where contacts are all that conducts, the rest is not looked at.
+#[test]
+fn contacts_alone_conduct_as_they_do_beside_surfaces_that_nobody_has() {
+    let (mut state, mut beside) = warm_cloud();
+    state.exposure.fill(0);
+    heat_of(&mut beside).walls.fill(None);
+    assert!(heat_of(&mut beside).exposures.iter().any(|exposure| !exposure.exchanges.is_empty()));
+    for ledger in [false, true] {
+        keep_books(&mut beside, ledger);
+        let mut alone = beside.clone();
+        heat_of(&mut alone).exposures.truncate(1);
+        let expected = after(&state, &beside, Options::default(), 400);
+        assert!(expected.heat_rate.iter().any(|&rate| rate != 0.0));
+        for options in all_options() {
+            assert_eq!(after(&state, &alone, options, 400).hash(), expected.hash(), "ledger {ledger}, {options:?}");
         }
     }
 }

@@ -163,7 +163,7 @@ fn heat_adds_temperatures_and_growth_adds_radii() {
 fn bytes_of_two_spheres_on_the_processor() {
     let field = 64;
     let (kind, reference, starts, entry, flag) = (4, 48, 12, 4, 1);
-    let (spin, sums, displacement, reaction) = (field, 2 * field, 24, 48);
+    let (spin, sums, displacement, reaction) = (field, 2 * field, 24, 64);
     let expected = [
         ("predict", 2 * (field + field + spin) + sums + kind + reference),
         ("contact", field + field + spin + sums + kind + starts + entry + 2 * (flag + displacement) + reaction),

@@ -1,61 +1,19 @@
 //! Checkpoints: the complete state, exact to the bit, in the safetensors format.
 //!
-//! Every tensor has its XXH3 hash (128 bits, hexadecimal) in the header's metadata, and the header has its own, so
-//! that a change of any byte of the file is found. Python reads the file with `safetensors.numpy.load_file`.
+//! A change of any byte of the file is found. Python reads the file with `safetensors.numpy.load_file`.
 
-use crate::error::{Action, Context, Error};
-use crate::files::{atomically, remove, sync_folder, with_ending};
-use bytemuck::{Pod, cast_slice, pod_read_unaligned};
+use crate::error::Error;
+use crate::files::{remove, sync_folder, with_ending};
+use crate::tensors::{self, Damage, Element, Reader, Tensor};
 use rayon::prelude::*;
-use safetensors::{Dtype, SafeTensors};
-use serde_json::{Map, Value, json};
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::fs;
 use std::path::{Path, PathBuf};
 use tdem_engine::physics::bond::Failure;
 use tdem_engine::{Bond, BondHistory, Breakage, Contact, State, WallContact};
 use thiserror::Error;
-use xxhash_rust::xxh3::xxh3_128;
-
-#[cfg(target_endian = "big")]
-compile_error!("checkpoints hold little-endian numbers as they are in memory");
 
 const ENDING: &str = "safetensors";
 const FORMAT: &str = "tdem-checkpoint-1";
-/// Where the header's own hash will stand, while it is computed.
-const NO_HASH: &str = "00000000000000000000000000000000";
-/// Safetensors pads its header to this.
-const ALIGNMENT: usize = 8;
-
-/// Why a checkpoint cannot be trusted.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum Damage {
-    /// The file is not in the format at all, or cut off.
-    #[error("it is cut off or not a checkpoint")]
-    Unreadable,
-    /// The header was changed.
-    #[error("its header was changed")]
-    Header,
-    /// The numbers of a tensor were changed.
-    #[error("`{tensor}` was changed")]
-    Tensor {
-        /// Its name.
-        tensor: &'static str,
-    },
-    /// A tensor is missing or has another type or shape than this version writes.
-    #[error("`{tensor}` is missing or not as this version writes it")]
-    Layout {
-        /// Its name.
-        tensor: &'static str,
-    },
-    /// The operating system cannot read it.
-    #[error("it cannot be read ({kind})")]
-    Inaccessible {
-        /// Why not.
-        kind: std::io::ErrorKind,
-    },
-}
-
 /// A checkpoint that was passed over.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("a checkpoint is damaged, {damage}: {}", path.display())]
@@ -119,19 +77,7 @@ pub fn write(folder: &Path, state: &State) -> Result<PathBuf, Error> {
     let path = path_of(folder, state.step);
     let apart = Apart::of(state);
     let tensors = tensors(state, &apart);
-    let header = header(&tensors);
-    atomically(&path, |unfinished| {
-        let put = || -> std::io::Result<()> {
-            let mut file = BufWriter::with_capacity(1 << 20, File::create(unfinished)?);
-            file.write_all(&(header.len() as u64).to_le_bytes())?;
-            file.write_all(&header)?;
-            for tensor in &tensors {
-                file.write_all(tensor.bytes)?;
-            }
-            file.into_inner()?.sync_all()
-        };
-        put().context(Action::Write, &path)
-    })?;
+    tensors::write(&path, FORMAT, &tensors)?;
     Ok(path)
 }
 
@@ -144,37 +90,7 @@ pub fn read(path: &Path) -> Result<State, Damage> {
 }
 
 fn decode(bytes: &[u8]) -> Result<State, Damage> {
-    let (length, metadata) = SafeTensors::read_metadata(bytes).map_err(|_| Damage::Unreadable)?;
-    let hashes = metadata.metadata().as_ref().ok_or(Damage::Header)?;
-    if hashes.get("format").map(String::as_str) != Some(FORMAT) {
-        return Err(Damage::Header);
-    }
-    let header = std::str::from_utf8(&bytes[8..8 + length]).map_err(|_| Damage::Header)?;
-    let own = hashes.get("header").ok_or(Damage::Header)?;
-    if *own != hash(header.replacen(own.as_str(), NO_HASH, 1).as_bytes()) {
-        return Err(Damage::Header);
-    }
-    let tensors = SafeTensors::deserialize(bytes).map_err(|_| Damage::Unreadable)?;
-    Reader { tensors, hashes }.state()
-}
-
-fn hash(bytes: &[u8]) -> String {
-    format!("{:032x}", xxh3_128(bytes))
-}
-
-struct Tensor<'a> {
-    name: &'static str,
-    kind: &'static str,
-    shape: Vec<usize>,
-    bytes: &'a [u8],
-}
-
-impl<'a> Tensor<'a> {
-    fn new<T: Element>(name: &'static str, values: &'a [T]) -> Self {
-        let mut shape = vec![values.len()];
-        shape.extend(T::SHAPE);
-        Tensor { name, kind: T::KIND, shape, bytes: cast_slice(values) }
-    }
+    Reader::new(bytes, FORMAT)?.state()
 }
 
 /// What a state holds in another form than its tensors.
@@ -239,29 +155,6 @@ impl Apart {
             bonds: Bonds::of(state),
         }
     }
-}
-
-/// What rows of a tensor may be.
-trait Element: Pod {
-    const KIND: &'static str;
-    const DTYPE: Dtype;
-    /// Shape of one row.
-    const SHAPE: &'static [usize];
-}
-
-macro_rules! element {
-    ($($row:ty: $kind:ident $shape:expr),* $(,)?) => {$(
-        impl Element for $row {
-            const KIND: &'static str = stringify!($kind);
-            const DTYPE: Dtype = Dtype::$kind;
-            const SHAPE: &'static [usize] = &$shape;
-        }
-    )*};
-}
-element! {
-    u8: U8 [], u16: U16 [], u32: U32 [], u64: U64 [], f64: F64 [],
-    [u32; 2]: U32 [2], [i32; 3]: I32 [3], [f64; 3]: F64 [3], [f64; 4]: F64 [4], [f64; 10]: F64 [10],
-    [[f64; 3]; 4]: F64 [4, 3],
 }
 
 /// All fields of a state; those of bonds and of heat only where there are some. Wide numbers come first, so that every tensor is
@@ -357,53 +250,8 @@ fn tensors<'a>(state: &'a State, apart: &'a Apart) -> Vec<Tensor<'a>> {
     tensors
 }
 
-/// The header of the file. The format is simple enough to be written here; the library would need all tensors
-/// before their hashes, in one buffer or in a temporary file of its own naming.
-fn header(tensors: &[Tensor<'_>]) -> Vec<u8> {
-    let mut metadata = Map::new();
-    metadata.insert("format".into(), FORMAT.into());
-    metadata.insert("header".into(), NO_HASH.into());
-    let mut entries = Map::new();
-    let mut begin = 0;
-    let hashes: Vec<String> = tensors.par_iter().map(|tensor| hash(tensor.bytes)).collect();
-    for (tensor, hash) in tensors.iter().zip(hashes) {
-        let end = begin + tensor.bytes.len();
-        entries.insert(
-            tensor.name.into(),
-            json!({ "dtype": tensor.kind, "shape": tensor.shape, "data_offsets": [begin, end] }),
-        );
-        metadata.insert(format!("xxh3.{}", tensor.name), hash.into());
-        begin = end;
-    }
-    entries.insert("__metadata__".into(), Value::Object(metadata));
-    let mut text = Value::Object(entries).to_string();
-    let padded = text.len().next_multiple_of(ALIGNMENT);
-    text.extend(std::iter::repeat_n(' ', padded - text.len()));
-    // The format's own hash stands in for itself; it is the first run of zeros of this length.
-    let own = hash(text.as_bytes());
-    text.replacen(NO_HASH, &own, 1).into_bytes()
-}
-
-struct Reader<'a> {
-    tensors: SafeTensors<'a>,
-    hashes: &'a std::collections::HashMap<String, String>,
-}
-
+/// A state from the tensors of its checkpoint.
 impl Reader<'_> {
-    fn rows<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
-        let layout = || Damage::Layout { tensor };
-        let view = self.tensors.tensor(tensor).map_err(|_| layout())?;
-        if view.dtype() != T::DTYPE || view.shape().get(1..) != Some(T::SHAPE) {
-            return Err(layout());
-        }
-        if self.hashes.get(&format!("xxh3.{tensor}")) != Some(&hash(view.data())) {
-            return Err(Damage::Tensor { tensor });
-        }
-        Ok(view.data().chunks_exact(size_of::<T>()).map(pod_read_unaligned).collect())
-    }
-    fn one<T: Element>(&self, tensor: &'static str) -> Result<T, Damage> {
-        self.rows(tensor)?.first().copied().ok_or(Damage::Layout { tensor })
-    }
     fn contacts<C>(
         &self,
         pair: &'static str,
@@ -419,11 +267,11 @@ impl Reader<'_> {
 
     /// A tensor of bonds, which a checkpoint without any lacks.
     fn of_bonds<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
-        if self.tensors.tensor("bonds.pair").is_ok() { self.rows(tensor) } else { Ok(Vec::new()) }
+        if self.has("bonds.pair") { self.rows(tensor) } else { Ok(Vec::new()) }
     }
     /// A tensor of heat, which a checkpoint without heat lacks.
     fn of_heat<T: Element>(&self, tensor: &'static str) -> Result<Vec<T>, Damage> {
-        if self.tensors.tensor("temperature").is_ok() { self.rows(tensor) } else { Ok(Vec::new()) }
+        if self.has("temperature") { self.rows(tensor) } else { Ok(Vec::new()) }
     }
     fn bonds(&self) -> Result<Vec<Bond>, Damage> {
         let pairs = self.of_bonds::<[u32; 2]>("bonds.pair")?;

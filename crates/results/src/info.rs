@@ -4,6 +4,7 @@ use crate::checkpoint::{self, Damaged};
 use crate::error::Error;
 use crate::files::entries;
 use crate::run_directory::{CASE, CHECKPOINTS, HISTORY, stored_frames};
+use crate::tensors::Damage;
 use crate::vtkhdf::master::block_names;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,7 +48,7 @@ pub struct CheckpointInfo {
     /// Its step.
     pub step: u64,
     /// Number of particles, or why it cannot be used.
-    pub particles: Result<usize, checkpoint::Damage>,
+    pub particles: Result<usize, Damage>,
 }
 
 /// Looks at a run. Every checkpoint is read and its hashes are checked.
@@ -104,6 +105,15 @@ pub fn load_final_state(run: &Path) -> Result<FinalState, Error> {
         (Some(state), Some(path)) => Ok(FinalState { state, path, damaged: newest.damaged }),
         _ => Err(Error::NoCheckpoint { damaged: newest.damaged.len(), path: run.into() }),
     }
+}
+
+/// Step of the newest checkpoint of a run, by its name: whether it is whole is not looked at. `None` where there is none.
+///
+/// # Errors
+/// [`Error::NotARun`], and whatever the file system says.
+pub fn newest_step(run: &Path) -> Result<Option<u64>, Error> {
+    require_run(run)?;
+    Ok(checkpoint::list(&run.join(CHECKPOINTS))?.last().and_then(|path| checkpoint::step_of(path)))
 }
 
 fn require_run(run: &Path) -> Result<(), Error> {

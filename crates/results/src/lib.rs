@@ -3,6 +3,7 @@
 //! * [`RunDirectory`] the folder of a run; `kill -9` at any moment leaves one that can be read and resumed
 //! * [`session`] runs a simulation into it
 //! * [`checkpoint`] the complete state, exact to the bit
+//! * [`columns`] named reals in a file of their own, as exact
 //! * [`glossary`] names, units and meanings of everything that is written
 //! * [`pack`] one self-contained file per block
 //! * [`info`] what a folder holds, and the state to begin another run from
@@ -14,6 +15,7 @@
 
 mod blocks;
 pub mod checkpoint;
+pub mod columns;
 pub mod curve;
 mod error;
 mod files;
@@ -28,17 +30,19 @@ pub mod picture;
 pub mod report;
 mod run_directory;
 pub mod session;
+mod tensors;
 mod vtkhdf;
 mod writer;
 
 pub use blocks::{Contents, Precision, mean_stress};
-pub use checkpoint::{Damage, Damaged};
+pub use checkpoint::Damaged;
 pub use error::{Action, Error};
 pub use history::Row;
-pub use info::{CheckpointInfo, FinalState, FrameInfo, Info, info, load_final_state};
+pub use info::{CheckpointInfo, FinalState, FrameInfo, Info, info, load_final_state, newest_step};
 pub use log::Event;
 pub use pace::{Pace, Rate};
 pub use pack::pack;
 pub use run_directory::{Resumed, RunDirectory};
 pub use session::{Control, Note, Observer, Outcome, Progress, RunError};
+pub use tensors::Damage;
 pub use vtkhdf::FormatError;

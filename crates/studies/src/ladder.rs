@@ -10,22 +10,25 @@
 //! Heat that advances by itself, alone or in turns with the motion, has no such scale; what it costs is the length of its steps.
 //! The rungs of such a case have steps of $h$, $h/2$, $h/4$, ... for the same time.
 //!
-//! [`rungs()`] makes the rungs of a case, [`climb()`] runs and compares them. What compares does not ask how rungs came about.
+//! [`rungs()`] makes the rungs of a case, [`prepare()`] their folders, [`climb()`] runs and compares them. What compares does not
+//! ask how rungs came about.
 
 mod climb;
 mod compare;
+mod record;
 mod rung;
 
-pub use climb::{Ladder, Outcome, Progress, climb, kept_bytes, step_seconds};
+pub use climb::{Failure, Ladder, Outcome, Progress, climb, kept_bytes, step_seconds};
 pub use compare::{Difference, Pair, Spread};
+pub use record::{Earlier, folder_of, prepare};
 pub use rung::{Halved, Rung, rungs};
 
 use std::fmt;
+use std::path::PathBuf;
 use tdem_case::Problems;
 use tdem_case::schema::OutOfRange;
-use tdem_engine::Fault;
 
-/// Why there is no comparison.
+/// Why a case has no ladder.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The case has no heat.
@@ -64,17 +67,25 @@ pub enum Error {
     /// A duration or a step that cannot be written down.
     #[error("a rung would take a time that is no time: {0}")]
     OutOfRange(#[from] OutOfRange),
+}
+
+/// Why a climb has nothing to show.
+#[derive(Debug, thiserror::Error)]
+pub enum Halt {
     /// Rungs are not of one case.
     #[error("the rungs are not of the same particles and bonds")]
     Different,
-    /// A rung failed.
-    #[error("the rung {label} failed: {fault}")]
-    Fault {
+    /// The folder of a rung holds another one.
+    #[error("the rung {label} cannot go on: {} is of another case, of other settings or of another version", folder.display())]
+    OtherCase {
         /// Of the rung.
         label: String,
-        /// Why.
-        fault: Fault,
+        /// Of the other one.
+        folder: PathBuf,
     },
+    /// What rungs leave cannot be written or read.
+    #[error(transparent)]
+    Results(#[from] tdem_results::Error),
 }
 
 /// What depends on the time of the motion.

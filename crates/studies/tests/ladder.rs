@@ -5,7 +5,9 @@ use std::path::Path;
 use std::time::Duration;
 use tdem_case::{Loaded, NoRuns, parse};
 use tdem_engine::{Fault, Plan, Simulation, State, cpu};
-use tdem_studies::ladder::{Error, Follower, Halved, Ladder, Pair, Rung, climb, rungs, step_seconds};
+use tdem_studies::ladder::{
+    Earlier, Error, Follower, Halt, Halved, Ladder, Pair, Rung, climb, folder_of, prepare, rungs, step_seconds,
+};
 
 /// 108 spheres on a lattice; the lowest layer is held, and the top follows a course.
 const BLOCK: &str = r#"
@@ -72,7 +74,7 @@ fn start(state: State, plan: Plan) -> Result<Simulation, Fault> {
 
 fn ladder(set: &[(&str, &str)], parts: u32) -> Ladder {
     let rungs = rungs(&case_of(BLOCK, set), 3, &NoRuns).expect("the case has a ladder");
-    climb(rungs, parts, start, &mut |_| ControlFlow::Continue(())).expect("nothing goes wrong")
+    climb(rungs, parts, None, start, &mut |_| ControlFlow::Continue(())).expect("nothing goes wrong")
 }
 
 fn refusal(text: &str, count: u32) -> Error {
@@ -111,7 +113,7 @@ fn a_rung_is_a_run_of_the_case() {
     simulation.advance(built.schedule.steps).expect("the case runs");
     let state = simulation.state().expect("the processor does not fail");
     let broken = state.bonds.iter().filter(|bond| !bond.holds()).count() as u64;
-    assert_eq!((first.hash, first.broken_bonds), (state.hash(), broken));
+    assert_eq!((first.hash, first.broken_bonds), (Some(state.hash()), broken));
     let [pair, _] = &ladder.pairs[..] else { panic!("three rungs are two pairs") };
     let last = pair.differences.last().expect("there are instants");
     assert!(broken > 0, "bonds break");
@@ -135,7 +137,7 @@ fn by_itself(motion: &str) -> Ladder {
     let text = BLOCK.replace("duration = 1000.0", &heat).replace("end = 2e-3", "end = 200.0");
     let rungs = rungs(&case_of(&text, &[]), 3, &NoRuns).expect("the case has a ladder");
     assert_eq!(rungs.iter().map(Rung::value).collect::<Vec<f64>>(), [50.0, 25.0, 12.5]);
-    climb(rungs, 4, start, &mut |_| ControlFlow::Continue(())).expect("nothing goes wrong")
+    climb(rungs, 4, None, start, &mut |_| ControlFlow::Continue(())).expect("nothing goes wrong")
 }
 
 #[test]
@@ -161,13 +163,83 @@ fn heat_by_itself_goes_in_shorter_steps() {
 fn a_ladder_that_is_ended_keeps_the_rungs_that_are_complete() {
     let complete = ladder(&[], 4);
     let rungs = rungs(&case_of(BLOCK, &[]), 3, &NoRuns).expect("the case has a ladder");
-    let ended = climb(rungs, 4, start, &mut |progress| match progress.rung {
+    let ended = climb(rungs, 4, None, start, &mut |progress| match progress.rung {
         2 => ControlFlow::Break(()),
         _ => ControlFlow::Continue(()),
     });
     let ended = ended.expect("nothing goes wrong");
     assert_eq!(ended.rungs.len(), 2);
     assert_eq!(ended.pairs[..], complete.pairs[..1]);
+}
+
+/// What does not depend on the clock.
+fn timeless(mut ladder: Ladder) -> Ladder {
+    ladder.rungs.iter_mut().for_each(|rung| rung.clock_secs = 0.0);
+    ladder
+}
+
+#[test]
+fn a_ladder_that_was_stopped_goes_on_to_the_same_bits() {
+    // As weak as this, bonds near the foot break.
+    let weak = [("bond.0.lattice.tensile_strength", "2e6")];
+    let whole = timeless(ladder(&weak, 4));
+    let here = tempfile::tempdir().expect("there is room for temporary files");
+    let of = || rungs(&case_of(BLOCK, &weak), 3, &NoRuns).expect("the case has a ladder");
+    let mut seen = Vec::new();
+    let mut go = |rungs: Vec<Rung>, earlier: Earlier, parts: u32, until: f64| {
+        seen.clear();
+        let there = prepare(here.path(), &rungs, earlier).expect("the folders are free, or of this ladder");
+        let ended = climb(rungs, parts, Some(here.path()), start, &mut |progress| {
+            seen.push(progress.rung);
+            let stop = progress.rung == 1 && progress.heat_time > until;
+            if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        (there, ended.expect("nothing goes wrong"), seen.clone())
+    };
+    // Behind the second of four instants of the second rung.
+    let (there, stopped, _) = go(of(), Earlier::Refuse, 4, 510.0);
+    assert_eq!(there, [0, 0, 0]);
+    assert_eq!(stopped.rungs.iter().map(|rung| rung.complete).collect::<Vec<_>>(), [true, false]);
+    let [pair] = &stopped.pairs[..] else { panic!("two rungs are a pair") };
+    assert_eq!(pair.differences[..], whole.pairs[0].differences[..pair.differences.len()]);
+    assert!((2..4).contains(&pair.differences.len()));
+
+    let (there, ended, seen) = go(of(), Earlier::GoOn, 4, f64::INFINITY);
+    assert!(there[0] == whole.rungs[0].steps && there[1] > whole.rungs[1].steps / 2 && there[2] == 0, "{there:?}");
+    assert_eq!(timeless(ended), whole);
+    assert!(seen.iter().all(|&rung| rung > 0), "the first rung is only read");
+    // All is there, also for fewer instants.
+    let (_, again, seen) = go(of(), Earlier::GoOn, 2, f64::INFINITY);
+    assert!(seen.is_empty() && again.pairs[1].differences[..] == [1, 3].map(|k| whole.pairs[1].differences[k].clone()));
+
+    // What is compared of an instant is lost: its rung begins anew, and the others are read.
+    let instants = folder_of(here.path(), 2).join("instants");
+    let first = std::fs::read_dir(&instants).expect("there are instants").next().expect("there are some");
+    std::fs::remove_file(first.expect("it has a name").path()).expect("it can be removed");
+    let (_, again, seen) = go(of(), Earlier::GoOn, 4, f64::INFINITY);
+    assert_eq!(timeless(again), whole);
+    assert!(!seen.is_empty() && seen.iter().all(|&rung| rung == 2), "{seen:?}");
+
+    let other = rungs(&case_of(BLOCK, &[]), 3, &NoRuns).expect("the case has a ladder");
+    assert!(matches!(prepare(here.path(), &other, Earlier::GoOn), Err(Halt::OtherCase { label, .. }) if label == "S"));
+    assert!(prepare(here.path(), &other, Earlier::Refuse).is_err());
+    assert_eq!(prepare(here.path(), &other, Earlier::Remove).expect("an old ladder may go"), [0, 0, 0]);
+}
+
+#[test]
+fn a_fault_ends_a_ladder_with_what_there_is() {
+    // A grain leaves the domain when the second rung is at three quarters.
+    let grain = "[[particles]]\nmaterial = \"concrete\"\nlist = { radius = 0.006, positions = [[0.1, 0.1, 0.02]] }\n\
+                 velocity = [10.5, 0.0, 0.0]\n";
+    let text = BLOCK.replace("[[zone]]", &format!("{grain}[[zone]]")).replace("end = 2e-3", "end = 3e-3");
+    let rungs = rungs(&case_of(&text, &[]), 3, &NoRuns).expect("the case has a ladder");
+    let ladder = climb(rungs, 4, None, start, &mut |_| ControlFlow::Continue(())).expect("there is something to show");
+    let failure = ladder.failure.expect("the second rung fails");
+    assert_eq!(failure.label, "S/2");
+    assert!(failure.fault.to_string().contains("left the domain"), "{}", failure.fault);
+    let [first, second] = &ladder.rungs[..] else { panic!("two rungs came to an instant") };
+    assert!(first.complete && !second.complete && second.heat_time == ladder.pairs[0].differences[2].heat_time);
+    assert_eq!((ladder.pairs.len(), ladder.pairs[0].differences.len()), (1, 3));
 }
 
 #[test]
@@ -203,7 +275,8 @@ fn rungs_of_two_cases_are_not_compared() {
         rungs(&case_of(BLOCK, &set), 2, &NoRuns).expect("the case has a ladder")
     };
     let mixed = [two("[3, 3, 3]"), two("[3, 3, 2]")].map(|rungs| rungs.into_iter().next().expect("there are two"));
-    assert_eq!(climb(mixed.into(), 2, start, &mut |_| ControlFlow::Continue(())), Err(Error::Different));
+    let halt = climb(mixed.into(), 2, None, start, &mut |_| ControlFlow::Continue(()));
+    assert!(matches!(halt, Err(Halt::Different)), "{halt:?}");
 }
 
 #[test]
@@ -211,7 +284,7 @@ fn how_it_goes_is_told_from_the_first_step_to_the_last() {
     let rungs = rungs(&case_of(BLOCK, &[]), 2, &NoRuns).expect("the case has a ladder");
     assert!(step_seconds(&rungs[0], Duration::from_millis(20), start).expect("steps can be taken") > 0.0);
     let mut seen: Vec<(usize, u64, u64)> = Vec::new();
-    climb(rungs, 2, start, &mut |progress| {
+    climb(rungs, 2, None, start, &mut |progress| {
         seen.push((progress.rung, progress.done, progress.steps));
         ControlFlow::Continue(())
     })

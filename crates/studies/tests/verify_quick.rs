@@ -208,6 +208,14 @@ fn two_surfaces(heat: &mut HeatPlan) {
     }
 }
 
+/// Surfaces whose films conduct half again as much.
+fn deeper(plan: &mut Plan) {
+    let exposures = plan.heat.iter_mut().flat_map(|heat| &mut heat.exposures);
+    for (exchange, _) in exposures.flat_map(|exposure| &mut exposure.exchanges) {
+        exchange.conductance *= 1.5;
+    }
+}
+
 #[test]
 fn wrong_heat_is_caught() {
     type Wrong = (&'static str, fn(&mut Plan));
@@ -220,10 +228,7 @@ fn wrong_heat_is_caught() {
             exchange.radiation *= 1.01;
         }
     });
-    let deeper: fn(&mut Plan) = wrong_heat!(|heat| {
-        let exchanges = heat.exposures.iter_mut().flat_map(|exposure| &mut exposure.exchanges);
-        exchanges.for_each(|(exchange, _)| exchange.conductance *= 1.5);
-    });
+    let thicker: fn(&mut Plan) = wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.section *= 1.01));
     let flows_in: fn(&mut Plan) = wrong_heat!(|heat| {
         let exchanges = heat.exposures.iter_mut().flat_map(|exposure| &mut exposure.exchanges);
         exchanges.for_each(|(exchange, _)| exchange.flux_area *= 1.01);
@@ -235,7 +240,7 @@ fn wrong_heat_is_caught() {
             table.0[1][1] *= 1.01;
         }
     };
-    let wrong: [Wrong; 53] = [
+    let wrong: [Wrong; 59] = [
         (
             "thermal/conductivity-table",
             wrong_heat!(|heat| heat.tables.conductivity.iter_mut().for_each(|table| table.0[0][1] *= 1.01)),
@@ -253,10 +258,13 @@ fn wrong_heat_is_caught() {
         ("thermal/chain-transient", conducts),
         ("thermal/chain-transient", stores),
         ("thermal/lattice-conductivity", conducts),
-        (
-            "thermal/lattice-conductivity",
-            wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.section *= 1.01)),
-        ),
+        ("thermal/lattice-conductivity", thicker),
+        ("thermal/open-sides", conducts),
+        ("thermal/open-sides", thicker),
+        ("thermal/open-sides", wrong_heat!(|heat| heat.sides.clear())),
+        ("thermal/mass-scaling", stores),
+        ("thermal/mass-scaling", softer),
+        ("thermal/mass-scaling", |plan| plan.gravity[2] *= 1.01),
         ("thermal/unlike", conducts),
         ("thermal/unlike", wrong_heat!(|heat| heat.conductors[1].conductivity *= 1.01)),
         ("thermal/broken-bond", conducts),

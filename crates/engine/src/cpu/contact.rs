@@ -4,19 +4,23 @@
 //! bits.
 
 mod eight;
+mod heat;
 
 use super::bodies::{Bodies, Quad, sphere};
-use super::neighbours::reaction_stride;
+use super::heat::Flows;
+use super::neighbours::reaction_quads;
 use super::pieces::{chunks_of, split};
 use super::{Cpu, Width};
-use crate::Fault;
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
+use crate::{Fault, HeatPlan};
 use eight::{rows_portable, rows_widest};
+use heat::Warm;
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, released_energy, respond, touch_spheres,
+    Encounter, Friction, Interaction, Kick, Law, Losses, Period, Sphere, Touch, elastic_force, released_energy,
+    respond, touch_spheres,
 };
 use tdem_physics::heat::Dissipation;
 
@@ -38,6 +42,8 @@ pub(super) struct Scene<'a> {
     overlap_limit: f64,
     /// Which parts of losses become heat.
     dissipation: Dissipation<f64>,
+    /// Where heat flows through contacts.
+    warm: Option<Warm<'a>>,
 }
 
 /// What a contact loop writes: the rows of a chunk of particles.
@@ -52,8 +58,9 @@ pub(super) struct Rows<'a> {
     /// Pairs in which no contact acts, because their bond holds; empty if there are none.
     bonded: &'a [bool],
     displacement: &'a mut [[f64; 3]],
-    reaction: &'a mut [f64],
-    /// Forces on these particles, by their own rows.
+    /// See [`super::neighbours::Reactions`].
+    reaction: &'a mut [Quad],
+    /// Forces on these particles and heat rates into them, by their own rows.
     force: &'a mut [Quad],
     /// Moments on these particles, by their own rows.
     moment: &'a mut [Quad],
@@ -61,6 +68,8 @@ pub(super) struct Rows<'a> {
     accounts: &'a mut [[f64; 4]],
     /// Heat that each pair makes; empty where none does.
     made: &'a mut [f64],
+    /// Elastic force of each pair; empty where the ledger does not follow expansion.
+    pressure: &'a mut [f64],
     /// What the pairs of each row lost in this step: summed on its own, in the order of pairs, so that it does not
     /// matter whether partings are found before or between contacts.
     lost: Vec<Lost>,
@@ -117,7 +126,8 @@ fn choose(law: Law, ledger: bool, width: Width) -> Loop {
 impl Cpu {
     /// Evaluates all listed pairs.
     pub(super) fn contact_all(&mut self) -> Result<(), Fault> {
-        let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
+        let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, temperature, .. } =
+            &mut self.bodies;
         let scene = Scene {
             place,
             motion,
@@ -133,24 +143,28 @@ impl Cpu {
             step: self.history_step,
             overlap_limit: 0.5 * self.plan.overlap_limit,
             dissipation: self.plan.heat.as_ref().map(|heat| heat.dissipation).unwrap_or_default(),
+            warm: Warm::of(&self.plan, temperature, &self.bonds),
         };
         let evaluate = choose(self.plan.law, self.plan.ledger, self.options.width);
         let list = &mut self.neighbours;
         let n = rank.len();
-        let made = &mut self.flows.made;
+        let Flows { made, pressure, .. } = &mut self.flows;
         made.resize(if self.plan.makes_heat() { list.other.len() } else { 0 }, 0.0);
+        let presses = self.plan.books_expansion() && self.plan.heat.as_ref().is_some_and(HeatPlan::flows);
+        pressure.resize(if presses { list.other.len() } else { 0 }, 0.0);
         let particles = chunks_of(n);
         let pairs: Vec<usize> = particles.iter().map(|&p| list.start[p] as usize).collect();
         let mut tasks = Vec::with_capacity(particles.len());
         let mut touching = split(&mut list.touching, &pairs);
         let mut displacement = split(&mut list.displacement, &pairs);
-        let stride = reaction_stride(self.plan.law);
-        let reactions: Vec<usize> = pairs.iter().map(|&p| p * stride).collect();
-        let mut reaction = split(&mut list.reaction, &reactions);
+        let quads = reaction_quads(self.plan.law);
+        let reactions: Vec<usize> = pairs.iter().map(|&p| p * quads).collect();
+        let mut reaction = split(list.reaction.quads_mut(), &reactions);
         let mut force = split(force, &particles);
         let mut moment = split(moment, &particles);
         let mut accounts = split(accounts, &particles);
         let mut made = split(made, &pairs);
+        let mut pressure = split(pressure, &pairs);
         for chunk in 0..particles.len() - 1 {
             let (first, end) = (particles[chunk], particles[chunk + 1]);
             tasks.push(Rows {
@@ -165,6 +179,7 @@ impl Cpu {
                 moment: moment.next().unwrap_or_default(),
                 accounts: accounts.next().unwrap_or_default(),
                 made: made.next().unwrap_or_default(),
+                pressure: pressure.next().unwrap_or_default(),
                 lost: Vec::new(),
             });
         }
@@ -230,7 +245,8 @@ impl Rows<'_> {
     fn row(&self, k: usize) -> std::ops::Range<usize> {
         (self.start[k] - self.start[0]) as usize..(self.start[k + 1] - self.start[0]) as usize
     }
-    /// Adds what a contact does to the row's particle, and keeps what the other will gather. Fourth numbers are unused.
+    /// Adds what a contact does to the row's particle, and keeps what the other will gather. The fourth number of the force
+    /// is the heat rate, that of moments is unused.
     #[inline(always)]
     fn keep<V: Variant>(&mut self, i: usize, pair: usize, force: [f64; 4], moments: [[f64; 4]; 2]) {
         let mine = i - self.first;
@@ -242,12 +258,13 @@ impl Rows<'_> {
                 self.moment[mine].0[k] += moments[0][k];
             }
         }
-        let stride = if V::MOMENTS { 6 } else { 3 };
-        if let Some(reaction) = self.reaction.get_mut(stride * pair..stride * (pair + 1)) {
-            reaction[..3].copy_from_slice(&force[..3]);
-            if V::MOMENTS {
-                reaction[3..].copy_from_slice(&moments[1][..3]);
+        if !V::MOMENTS {
+            if let Some(reaction) = self.reaction.get_mut(pair) {
+                reaction.0 = force;
             }
+        } else if let Some(reaction) = self.reaction.get_mut(2 * pair..2 * pair + 2) {
+            reaction[0].0 = force;
+            reaction[1].0 = moments[1];
         }
     }
     /// Books what a pair lost, and the heat that it makes; a pair that is listed twice is booked by its lower rank.
@@ -282,6 +299,7 @@ impl Rows<'_> {
         self.force.fill(Quad::default());
         self.moment.fill(Quad::default());
         self.made.fill(0.0);
+        self.pressure.fill(0.0);
         if V::LEDGER {
             self.lost = vec![Lost::default(); self.accounts.len()];
         }
@@ -324,11 +342,15 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 let response = respond(law, &encounter, displacement, scene.interaction(i, j), scene.step);
                 let arms = [a.radius, b.radius].map(|radius| lever_arm(radius, touch.overlap));
                 let moments = arms.map(|arm| Quad::new((response.moment_per_arm * arm).into(), 0.0).0);
-                rows.keep::<V>(i, pair, Quad::new(response.force.into(), 0.0).0, moments);
+                let heat_rate = scene.heat_rate(i, j, &touch);
+                rows.keep::<V>(i, pair, Quad::new(response.force.into(), heat_rate).0, moments);
                 if V::FRICTION {
                     rows.displacement[pair] = response.displacement.into();
                 }
                 rows.book::<V>(scene, i, j, pair, &response.losses);
+                if let Some(pressure) = rows.pressure.get_mut(pair) {
+                    *pressure = elastic_force(encounter.radius_eff, touch.overlap, scene.interaction(i, j));
+                }
                 if touch.overlap > scene.overlap_limit * (a.radius + b.radius) {
                     crushed = Some(worse(crushed, scene.ranks(i, j)));
                 }

@@ -1,6 +1,7 @@
-//! Stage `gather`: adds what other rows keep for a particle, then walls, then the sum of its bonds.
+//! Stage `gather`: adds what other rows keep for a particle, heat of contacts with it, then walls, then the sum of its
+//! bonds.
 
-use super::bodies::{Bodies, sphere};
+use super::bodies::{Bodies, Quad, sphere};
 use super::bonds::{Bonds, REACTION, Written};
 use super::neighbours::{Neighbours, WallSlot};
 use super::pieces::{chunks_of, split};
@@ -9,6 +10,7 @@ use super::{CHUNK, Cpu};
 use crate::Plan;
 use crate::energy_accounts::{DAMPING, EXTERNAL, FRICTION, STIFFENING};
 use rayon::prelude::*;
+use std::hint::select_unpredictable;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{Encounter, Kick, released_energy, respond, touch_wall};
 use tdem_physics::{Vec3, vec3};
@@ -20,6 +22,7 @@ impl Cpu {
         let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
         let (list, bonds) = (&self.neighbours, &self.bonds);
+        let reaction = list.reaction.quads();
         let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
         let particles = chunks_of(n);
@@ -37,13 +40,14 @@ impl Cpu {
             let mut slots = slots.iter_mut().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
-                let mut sum =
-                    Sum { force: force[k].vector(), moment: moment.get(k).copied().unwrap_or_default().vector() };
-                if moments {
-                    add_incoming::<6>(list, i, &mut sum);
+                let own = [force[k], moment.get(k).copied().unwrap_or_default()];
+                let [with_heat, turning] = if moments {
+                    add_incoming::<2>(list, reaction, i, own)
                 } else {
-                    add_incoming::<3>(list, i, &mut sum);
-                }
+                    add_incoming::<1>(list, reaction, i, own)
+                };
+                force[k] = with_heat;
+                let mut sum = Sum { force: with_heat.vector(), moment: turning.vector() };
                 while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
                     let kick = [kick.get(i), twist.get(i)].map(|k| k.copied().unwrap_or_default().vector());
@@ -69,25 +73,36 @@ struct Sum {
     moment: Vec3<f64>,
 }
 
-/// Adds the pairs that particles of lower rank keep. `STRIDE` is 6 with moments, 3 without.
+/// Adds the pairs that particles of lower rank keep to force and heat rate, and to the moment. `QUADS` is 2 with moments,
+/// 1 without.
 #[inline(always)]
-fn add_incoming<const STRIDE: usize>(list: &Neighbours, i: usize, sum: &mut Sum) {
+fn add_incoming<const QUADS: usize>(
+    list: &Neighbours,
+    reaction: &[Quad],
+    i: usize,
+    [mut force, mut moment]: [Quad; 2],
+) -> [Quad; 2] {
+    // Which pairs touch no machine can foretell: those that do not add zeros, which change no bit.
+    let nothing = &[Quad::default(); 2][..QUADS];
     if i + AHEAD + 1 < list.incoming_start.len() {
         for &pair in list.incoming(i + AHEAD) {
-            prefetch(&list.reaction, STRIDE * pair as usize);
-            prefetch(&list.reaction, STRIDE * pair as usize + STRIDE - 1);
+            let at = QUADS * pair as usize;
+            prefetch(reaction, select_unpredictable(list.touching[pair as usize], at, 0));
         }
     }
     for &pair in list.incoming(i) {
-        let pair = pair as usize;
-        if list.touching[pair] {
-            let reaction = &list.reaction[STRIDE * pair..STRIDE * (pair + 1)];
-            sum.force = sum.force - vec3(reaction[0], reaction[1], reaction[2]);
-            if STRIDE == 6 {
-                sum.moment = sum.moment + vec3(reaction[3], reaction[4], reaction[5]);
+        let at = QUADS * pair as usize;
+        let felt = select_unpredictable(list.touching[pair as usize], &reaction[at..at + QUADS], nothing);
+        for k in 0..4 {
+            force.0[k] -= felt[0].0[k];
+        }
+        if QUADS == 2 {
+            for k in 0..4 {
+                moment.0[k] += felt[1].0[k];
             }
         }
     }
+    [force, moment]
 }
 
 /// Adds the sum of a particle's bonds: its own row's, then what particles of lower rank keep.

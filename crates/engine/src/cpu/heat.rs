@@ -1,38 +1,38 @@
 //! Heat: temperatures and radii of the end of a step, and the heat rates that belong to them.
 //!
-//! The heat rate of a particle is summed like its force: contacts with higher ids, with lower ids; then the sum of its
-//! bonds from zero, in their order; then what is foreign, from zero: walls, by their indices, and its surface.
+//! The heat rate of a particle is summed like its force, in the fourth number of which it is kept: contacts with higher ids,
+//! with lower ids, in the stages contact and gather; then the sum of its bonds from zero, in their order; then what is
+//! foreign, from zero: walls, by their indices, and its surface.
 
 mod conduction;
+mod warming;
 
 pub(super) use conduction::link;
+pub(super) use warming::{Chunk, Kept, Warmed, Warming};
 
 use super::predict::optional;
 use super::{CHUNK, Cpu};
 use crate::heat::book;
 use crate::heat_accounts::{EXPANSION, MADE};
-use crate::{Exposure, Fault, HeatPlan, Plan};
+use crate::{HeatPlan, Plan};
 use conduction::{Conduction, sum_both};
 use rayon::prelude::*;
 use tdem_physics::heat::Outside;
 use tdem_physics::heat::dissipation::heat_rate;
 use tdem_physics::heat::expansion_work::half_step;
-use tdem_physics::heat::warming::grown;
 
 /// What pairs do to the heat of their particles; room that is kept from step to step. `P` is the number of listed pairs,
 /// `B` of bonds.
 #[derive(Default)]
 pub(super) struct Flows {
-    /// Heat rate into the row's particle, W, `(P)`.
-    contacts: Vec<f64>,
-    /// The same through bonds, W, `(B)`.
+    /// Heat rate through a bond into the row's particle, W, `(B)`.
     bonds: Vec<f64>,
     /// Heat that the two of a pair make in this step, J, `(P)`; empty where motion makes none.
     pub(super) made: Vec<f64>,
     /// What the dashpots of a bond took in this step, J, `(B)`; empty where it does not become heat.
     pub(super) bond_losses: Vec<f64>,
     /// Elastic force of a contact, N, `(P)`; empty where the ledger does not follow expansion.
-    pressure: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
     /// Elastic tension of a bond, N, `(B)`; empty where the ledger does not follow expansion.
     pub(super) tension: Vec<f64>,
     /// Energy in the springs of a bond, J, `(B)`; empty likewise, and where its stiffness does not depend on temperature.
@@ -43,98 +43,22 @@ pub(super) struct Flows {
 
 impl Flows {
     pub(super) fn bytes(&self) -> usize {
-        let pairs = [&self.contacts, &self.made, &self.pressure];
+        let pairs = [&self.made, &self.pressure];
         let bonds = [&self.bonds, &self.bond_losses, &self.tension, &self.energy];
         pairs.into_iter().chain(bonds).map(|field| size_of_val(&field[..])).sum::<usize>() + size_of_val(&self.work[..])
     }
 }
 
-/// How radii changed, the largest of all particles, m.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Growth {
-    /// Growth since the list was made.
-    pub(super) since_listed: f64,
-    /// How much one shrank in this step.
-    pub(super) shrinkage: f64,
-}
-
-impl Growth {
-    fn max(self, other: Growth) -> Growth {
-        Growth {
-            since_listed: self.since_listed.max(other.since_listed),
-            shrinkage: self.shrinkage.max(other.shrinkage),
-        }
-    }
-}
-
 impl Cpu {
-    /// Temperatures and radii of the end of the step.
-    pub(super) fn warm_all(&mut self) -> Result<Growth, Fault> {
-        let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return Ok(Growth::default()) };
-        let (step, time) = (self.plan.heat_step(), self.plan.heat_time(self.step));
-        let prescribed: Vec<Option<f64>> = heat.exposures.iter().map(|e| value_of(e, time)).collect();
-        let bodies = &mut self.bodies;
-        let listed = &self.neighbours.listed_radius;
-        let (growth, wrong) = (
-            bodies.temperature.par_chunks_mut(CHUNK),
-            bodies.place.par_chunks_mut(CHUNK),
-            (bodies.motion.par_chunks(CHUNK), bodies.force.par_chunks(CHUNK)),
-            (bodies.material.par_chunks(CHUNK), bodies.exposure.par_chunks(CHUNK)),
-            bodies.rank.par_chunks(CHUNK),
-            optional(&mut bodies.reference_radius),
-            (optional(&mut bodies.heat_accounts), optional(&mut bodies.work_per_kelvin), optional(&mut bodies.warming)),
-        )
-            .into_par_iter()
-            .enumerate()
-            .map(|(chunk, (temperature, place, (motion, force), (material, exposure), rank, reference, books))| {
-                let (accounts, work, warming) = books;
-                let (mut growth, mut wrong) = (Growth::default(), u32::MAX);
-                for i in 0..temperature.len() {
-                    let mass = motion[i].scalar();
-                    let free = heat.warmed(material[i], mass, temperature[i], force[i].scalar(), step);
-                    let now = prescribed[usize::from(exposure[i])].unwrap_or(free);
-                    if let Some(account) = accounts.get_mut(i) {
-                        book(account, heat.heat_between(material[i], mass, free, now));
-                        if let (Some(work), Some(warming)) = (work.get(i), warming.get_mut(i)) {
-                            *warming = now - temperature[i];
-                            account[EXPANSION] += half_step(*work, *warming);
-                        }
-                    }
-                    temperature[i] = now;
-                    if let Some(&reference) = reference.get(i) {
-                        let radius = grown(reference, heat.expansion(material[i]), now - heat.reference_temperature);
-                        let one = Growth {
-                            since_listed: radius - listed[chunk * CHUNK + i],
-                            shrinkage: place[i].0[3] - radius,
-                        };
-                        growth = growth.max(one);
-                        place[i].0[3] = radius;
-                    }
-                    if !(now > 0.0 && now.is_finite()) {
-                        wrong = wrong.min(rank[i]);
-                    }
-                }
-                (growth, wrong)
-            })
-            .reduce(|| (Growth::default(), u32::MAX), |a, b| (a.0.max(b.0), a.1.min(b.1)));
-        if wrong == u32::MAX {
-            return Ok(growth);
-        }
-        let index = self.bodies.rank.iter().position(|&rank| rank == wrong).unwrap_or(0);
-        Err(Fault::Temperature {
-            step: self.step,
-            time: self.time(),
-            particle: self.ids[wrong as usize],
-            temperature: self.bodies.temperature[index],
-        })
-    }
-
-    /// Heat rates of all particles at their present temperatures.
+    /// Adds what bonds, walls and surfaces do to the heat rates of all particles at their present temperatures; those of
+    /// contacts are summed already.
     pub(super) fn conduct_all(&mut self) {
         let Some(heat) = self.plan.heat.as_ref().filter(|heat| heat.flows()) else { return };
+        if self.bonds.is_empty() && contacts_are_all(heat, &self.plan) {
+            return;
+        }
         let mut flows = std::mem::take(&mut self.flows);
         let law = Conduction { plan: &self.plan, heat, bodies: &self.bodies, bonds: &self.bonds };
-        law.pairs(&self.neighbours, &mut flows);
         law.bonds(&mut flows);
 
         let outside = outside(heat, &self.plan, self.step);
@@ -149,11 +73,11 @@ impl Cpu {
         let (list, position) = (&self.neighbours, &self.wall_position);
         let tasks = (force.par_chunks_mut(CHUNK), optional(&mut accounts), optional(&mut work)).into_par_iter();
         tasks.enumerate().for_each(|(chunk, (force, accounts, work))| {
+            let mut slots = list.walls_of(chunk).iter().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
-                let mut rate = list.row(i).fold(0.0, |sum, pair| sum + flows.contacts[pair]);
-                rate = list.incoming(i).iter().fold(rate, |sum, &pair| sum - flows.contacts[pair as usize]);
-                let at_walls = law.walls(list, i, position, &walls);
+                let mut rate = force[k].scalar();
+                let at_walls = law.walls(&mut slots, i, position, &walls);
                 let mut foreign = at_walls.rate;
                 if !self.bonds.is_empty() {
                     let own = self.bonds.row(i).fold(0.0, |sum, slot| sum + flows.bonds[slot]);
@@ -190,9 +114,13 @@ impl Cpu {
     }
 }
 
-/// The prescribed temperature of an exposure at a time.
-fn value_of(exposure: &Exposure, time: f64) -> Option<f64> {
-    exposure.temperature.as_ref().map(|course| course.value(time))
+/// Whether nothing but contacts does anything to the heat of particles that have no bonds, and nobody follows the work of
+/// their expansion.
+fn contacts_are_all(heat: &HeatPlan, plan: &Plan) -> bool {
+    heat.exposures.iter().all(|exposure| exposure.exchanges.is_empty())
+        && heat.walls.iter().all(Option::is_none)
+        && !heat.makes_heat()
+        && !plan.books_expansion()
 }
 
 /// Outside values of the exchanges of each exposure, those of the middle of the step that follows; none where temperatures

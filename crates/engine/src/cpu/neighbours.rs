@@ -1,8 +1,10 @@
 //! Who may touch whom until the next search, and what pairs remember.
 
 use super::CHUNK;
+use super::bodies::Quad;
 use super::pieces::split;
 use crate::Plan;
+use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tdem_physics::contact::{Friction, Law};
@@ -24,9 +26,8 @@ pub(crate) struct Neighbours {
     pub(crate) bonded: Vec<bool>,
     /// Tangential displacement as the row's particle sees it, m, `(P)`; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
-    /// What the other particle feels: force on the row's particle (it feels the opposite), N, and its own moment, N m,
-    /// `(P, 6)`, or the force alone, `(P, 3)`, without moments. Valid where touching; empty in a full list.
-    pub(crate) reaction: Vec<f64>,
+    /// What the other particle of each pair feels; empty in a full list.
+    pub(crate) reaction: Reactions,
     /// Where the incoming pairs of each particle start, `(N + 1)`.
     pub(crate) incoming_start: Vec<u32>,
     /// Pairs in the rows of lower ranks, in the order of those ranks; empty in a full list.
@@ -41,6 +42,29 @@ pub(crate) struct Neighbours {
     pub(crate) wall_start: Vec<u32>,
     /// Walls when the list was made, m.
     pub(crate) wall_reference: Vec<[f64; 3]>,
+}
+
+/// What the other particle of a pair feels: force on the row's particle, N, and heat rate into it, W (it feels the
+/// opposites), and its own moment, N m, a quad each, `(P, 2)`, or the first alone, `(P)`, without moments. Valid where
+/// touching.
+#[derive(Default)]
+pub(crate) struct Reactions(Vec<Line>);
+
+/// What a cache moves at once. Records lie so that none needs two of them.
+#[derive(Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([Quad; 2]);
+
+impl Reactions {
+    pub(crate) fn new(pairs: usize, law: Law) -> Self {
+        Reactions(vec![Line::default(); (pairs * reaction_quads(law)).div_ceil(2)])
+    }
+    pub(crate) fn quads(&self) -> &[Quad] {
+        cast_slice(&self.0)
+    }
+    pub(crate) fn quads_mut(&mut self) -> &mut [Quad] {
+        cast_slice_mut(&mut self.0)
+    }
 }
 
 /// A particle that may touch a wall.
@@ -96,6 +120,10 @@ impl Neighbours {
             return &[];
         }
         &self.incoming[self.incoming_start[particle] as usize..self.incoming_start[particle + 1] as usize]
+    }
+    /// Wall slots of a chunk of particles.
+    pub(crate) fn walls_of(&self, chunk: usize) -> &[WallSlot] {
+        &self.wall_slots[self.wall_start[chunk] as usize..self.wall_start[chunk + 1] as usize]
     }
     /// Lets contact act between two particles whose bond broke.
     pub(crate) fn release(&mut self, i: usize, j: usize) {
@@ -164,7 +192,7 @@ impl Neighbours {
 
     /// Bytes of what the other particle of a pair feels.
     pub(crate) fn reaction_bytes(law: Law) -> usize {
-        reaction_stride(law) * size_of::<f64>()
+        reaction_quads(law) * size_of::<Quad>()
     }
     /// Bytes of a half list per particle and per pair.
     pub(crate) fn bytes_each(plan: &Plan) -> [usize; 2] {
@@ -185,7 +213,7 @@ impl Neighbours {
             + size(&self.touching)
             + size(&self.bonded)
             + size(&self.displacement)
-            + size(&self.reaction)
+            + size(&self.reaction.0)
             + size(&self.incoming_start)
             + size(&self.incoming)
             + size(&self.reference)
@@ -202,7 +230,7 @@ pub(crate) fn indices_by_rank(rank: &[u32]) -> Vec<u32> {
     index.into_par_iter().map(AtomicU32::into_inner).collect()
 }
 
-/// Numbers per entry of [`Neighbours::reaction`].
-pub(crate) fn reaction_stride(law: Law) -> usize {
-    if law.moments { 6 } else { 3 }
+/// Quads per entry of [`Neighbours::reaction`].
+pub(crate) fn reaction_quads(law: Law) -> usize {
+    if law.moments { 2 } else { 1 }
 }

@@ -1,6 +1,7 @@
-//! Stage `predict`: particles and walls move to the end of the step.
+//! Stage `predict`: particles and walls move to the end of the step, temperatures and radii follow.
 
 use super::bodies::{Quad, trajectory};
+use super::heat::{Chunk, Kept, Warmed, Warming};
 use super::{CHUNK, Cpu};
 use crate::evaluate::quaternion;
 use crate::{Constraint, Domain, Fault, Integrator};
@@ -42,7 +43,16 @@ impl Cpu {
         let end = self.plan.constraints_at(self.plan.time(self.step));
         let (integrator, moments) = (self.plan.integrator, self.plan.law.moments);
         let bodies = &mut self.bodies;
-        let report = (
+        let kept = Kept {
+            rank: &bodies.rank,
+            material: &bodies.material,
+            exposure: &bodies.exposure,
+            reference_radius: &bodies.reference_radius,
+            listed_radius: &self.neighbours.listed_radius,
+            work_per_kelvin: &bodies.work_per_kelvin,
+        };
+        let heat = Warming::of(&self.plan, self.step, kept);
+        let (report, warmed) = (
             bodies.place.par_chunks_mut(CHUNK),
             bodies.motion.par_chunks_mut(CHUNK),
             bodies.spin.par_chunks_mut(CHUNK),
@@ -53,24 +63,28 @@ impl Cpu {
             optional(&mut bodies.derivatives),
             optional(&mut bodies.image),
             optional(&mut bodies.moment),
-            (optional(&mut bodies.kick), optional(&mut bodies.twist)),
-            optional(&mut bodies.orientation),
+            (optional(&mut bodies.kick), optional(&mut bodies.twist), optional(&mut bodies.orientation)),
+            (optional(&mut bodies.temperature), optional(&mut bodies.heat_accounts), optional(&mut bodies.warming)),
         )
             .into_par_iter()
+            .enumerate()
             .map(
                 |(
-                    place,
-                    motion,
-                    spin,
-                    force,
-                    constraint,
-                    rank,
-                    reference,
-                    derivatives,
-                    image,
-                    moment,
-                    (kick, twist),
-                    orientation,
+                    chunk,
+                    (
+                        place,
+                        motion,
+                        spin,
+                        force,
+                        constraint,
+                        rank,
+                        reference,
+                        derivatives,
+                        image,
+                        moment,
+                        (kick, twist, orientation),
+                        (temperature, accounts, warming),
+                    ),
                 )| {
                     let mut report = Report::START;
                     for i in 0..place.len() {
@@ -111,16 +125,25 @@ impl Cpu {
                         let way = way(&place[i], reference[i], wraps.then_some(&period));
                         report.way_squared = report.way_squared.max(way);
                     }
-                    report
+                    let first = chunk * CHUNK;
+                    let chunk = Chunk { first, motion, force, place, temperature, accounts, warming };
+                    (report, heat.as_ref().map_or(Warmed::NOTHING, |heat| heat.warm(chunk)))
                 },
             )
-            .reduce(|| Report::START, Report::merge);
+            .reduce(|| (Report::START, Warmed::NOTHING), |a, b| (a.0.merge(b.0), a.1.merge(b.1)));
+        self.heed(report, warmed)
+    }
+
+    /// Whether the neighbour list still holds, or what went wrong.
+    fn heed(&mut self, report: Report, warmed: Warmed) -> Result<(), Fault> {
         if report.astray != NONE {
             return Err(self.astray(report.astray));
         }
-        let growth = self.warm_all()?;
-        self.step_way = report.step_squared.sqrt().max(self.wall_step()) + growth.shrinkage;
-        let half_skin = 0.5 * self.plan.search.skin - growth.since_listed;
+        if warmed.wrong != NONE {
+            return Err(self.unphysical(warmed.wrong));
+        }
+        self.step_way = report.step_squared.sqrt().max(self.wall_step()) + warmed.shrinkage;
+        let half_skin = 0.5 * self.plan.search.skin - warmed.since_listed;
         self.search_due = half_skin < 0.0
             || report.way_squared > half_skin * half_skin
             || self.neighbours.wall_way(&self.wall_position) > half_skin;

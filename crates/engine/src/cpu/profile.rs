@@ -13,8 +13,8 @@
 //! | boundary | motion; with a ledger or applied forces constraint; with ramps, moments and a ledger place | | force |
 //! | correct | force, moment, constraint; under Verlet place, for moments | | motion, spin, derivatives; under Gear place |
 //!
-//! Arrays that a plan does without are empty and count nothing. Heat is timed with predict and boundary, and its bytes are
-//! not counted.
+//! Arrays that a plan does without are empty and count nothing. Heat is timed with predict, contact, gather and boundary,
+//! and its own arrays are not counted.
 
 use super::neighbours::Neighbours;
 use super::{Cpu, List};
@@ -99,7 +99,7 @@ impl Cpu {
             + incoming
             + size(&list.touching)
             + size(&list.displacement)
-            + size(&list.reaction)
+            + size(list.reaction.quads())
             + size(&list.reference)
             + size(&list.wall_slots)
             + 2 * histories;

@@ -2,7 +2,7 @@
 
 use super::bodies::Quad;
 use super::grid::{Grid, class_of, strip_order};
-use super::neighbours::{Histories, Neighbours, WallSlot, reaction_stride};
+use super::neighbours::{Histories, Neighbours, Reactions, WallSlot};
 use super::pieces::split;
 use super::{CHUNK, Cpu, List};
 use crate::Fault;
@@ -202,11 +202,7 @@ impl Cpu {
             touching,
             bonded,
             displacement,
-            reaction: if self.options.list == List::Half {
-                vec![0.0; pairs * reaction_stride(law)]
-            } else {
-                Vec::new()
-            },
+            reaction: if self.options.list == List::Half { Reactions::new(pairs, law) } else { Reactions::default() },
             incoming_start,
             incoming,
             listed_radius: if self.plan.expands() {

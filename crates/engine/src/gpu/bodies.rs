@@ -15,11 +15,11 @@ pub(super) struct Half<M> {
     pub(super) place: Buffer<Quad, M>,
     /// Velocity and mass.
     pub(super) motion: Buffer<Quad, M>,
-    /// Angular velocity; empty without moments.
+    /// Angular velocity and, with heat, temperature; empty without moments.
     pub(super) spin: Buffer<Quad, M>,
     /// Which way particles are turned; empty without bonds.
     pub(super) orientation: Buffer<Quad, M>,
-    /// K; empty without heat.
+    /// K; empty without heat, and with moments: then it stands in `spin`.
     pub(super) temperature: Buffer<f64, M>,
     /// A point on each wall.
     pub(super) wall_place: Buffer<Quad, M>,
@@ -57,7 +57,7 @@ impl<M> Half<M> {
             motion: queue.buffer(n)?,
             spin: queue.buffer(if plan.law.moments { n } else { 0 })?,
             orientation: queue.buffer(state.orientation.len())?,
-            temperature: queue.buffer(state.temperature.len())?,
+            temperature: queue.buffer(if plan.law.moments { 0 } else { state.temperature.len() })?,
             wall_place: queue.buffer(plan.walls.len())?,
         })
     }
@@ -68,11 +68,14 @@ impl<M> Half<M> {
         queue.upload(&self.place, &quads(&state.position, &state.radius))?;
         queue.upload(&self.motion, &quads(&state.velocity, &state.mass))?;
         if self.spin.len() > 0 {
-            queue.upload(&self.spin, &unpaired(&state.angular_velocity))?;
+            let temperatures = if state.temperature.is_empty() { &vec![0.0; state.len()] } else { &state.temperature };
+            queue.upload(&self.spin, &quads(&state.angular_velocity, temperatures))?;
         }
         let orientation: Vec<Quad> = state.orientation.iter().map(|&q| Quad(q)).collect();
         queue.upload(&self.orientation, &orientation)?;
-        queue.upload(&self.temperature, &state.temperature)?;
+        if self.temperature.len() > 0 {
+            queue.upload(&self.temperature, &state.temperature)?;
+        }
         queue.upload(&self.wall_place, &unpaired(&state.wall_position))
     }
 }

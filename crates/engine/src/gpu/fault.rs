@@ -3,6 +3,7 @@
 use super::run::Gpu;
 use super::runtime::{Error, Runtime};
 use super::search::SLICE;
+use super::snapshot::Temperatures;
 use crate::Fault;
 use crate::cpu::Quad;
 use tdem_physics::contact::touch_spheres;
@@ -38,12 +39,15 @@ impl<R: Runtime> Gpu<R> {
 
     /// The fault of a temperature that is none, the lowest rank of all, at the prediction after `done` steps.
     pub(super) fn unphysical(&self, done: u64) -> Result<Fault, Error> {
-        let temperature = self.queue.read(&self.halves[self.now].temperature, self.particles)?;
+        let half = &self.halves[self.now];
+        let (apart, spin) = (self.queue.read(&half.temperature, usize::MAX)?, self.queue.read(&half.spin, usize::MAX)?);
+        let temperatures = Temperatures { apart: &apart, spin: &spin };
         let rank = self.queue.read(&self.fields.rank, self.particles)?;
-        let wrong = temperature.iter().zip(&rank).filter(|&(&t, _)| !(t > 0.0 && t.is_finite()));
+        let of_rank = rank.iter().enumerate().map(|(i, &rank)| (temperatures.of(i), rank));
+        let wrong = of_rank.filter(|&(t, _)| !(t > 0.0 && t.is_finite()));
         let step = self.step + done + 1;
-        Ok(match wrong.min_by_key(|&(_, &rank)| rank) {
-            Some((&temperature, &rank)) => {
+        Ok(match wrong.min_by_key(|&(_, rank)| rank) {
+            Some((temperature, rank)) => {
                 Fault::Temperature { step, time: self.plan.time(step), particle: self.ids[rank as usize], temperature }
             }
             None => Fault::Inconsistent { what: "the device found no temperature where the host finds one" },

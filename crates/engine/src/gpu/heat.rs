@@ -1,4 +1,4 @@
-//! Heat on a device, see `kernels/heat.cl`. Temperatures stand in the halves, heat rates in the fourth number of forces.
+//! Heat on a device, see `kernels/heat.cl`. Temperatures stand in the halves, with moments in the fourth number of spins, heat rates in the fourth number of forces.
 
 use super::bodies::{course_record, table_record};
 use super::layout::{
@@ -165,5 +165,6 @@ pub(super) fn bytes_each(plan: &Plan) -> [usize; 2] {
     let accounts = if plan.ledger { size_of::<Quad>() } else { 0 };
     let work = if plan.books_expansion() { 2 * real } else { 0 };
     let work_of_bond = if plan.books_expansion() { 2 * real } else { 0 };
-    [2 * real + exposure + radii + accounts + work, real + work_of_bond]
+    let temperatures = if plan.law.moments { 0 } else { 2 * real };
+    [temperatures + exposure + radii + accounts + work, real + work_of_bond]
 }

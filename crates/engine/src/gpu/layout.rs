@@ -484,7 +484,8 @@ kernels! {
     /// See `kernels/bond.cl`.
     bond as EvaluateBonds(128, 4) {
         step: value Step, status: shared u32,
-        place: read Quad, motion: read Quad where |v| v.bonds_move(), spin: read Quad where |v| v.bonds_move(),
+        place: read Quad, motion: read Quad where |v| v.bonds_move(),
+        spin: read Quad where |v| v.bonds_move() || v.heat.is_some(),
         orientation: read Quad where |v| !v.bonds_remember(), bonded_place: read Quad where |v| !v.bonds_remember(),
         kind: read u32 where |v| !v.one_bond || v.links_by_material() || v.tempers_pairs(), interactions: seldom Pair,
         joints: read JointOf where |v| !v.alike_bonds, beams: read Beam where |v| v.alike_bonds && !v.one_bond,

@@ -35,6 +35,7 @@ struct Snapshot<R: Runtime> {
     broken: Arriving<u32, R>,
     released: Arriving<f64, R>,
     bond_history: Arriving<f64, R>,
+    heated: bool,
     temperature: Arriving<f64, R>,
     heat_accounts: Arriving<Quad, R>,
     work_per_kelvin: Arriving<f64, R>,
@@ -75,6 +76,7 @@ impl<R: Runtime> Gpu<R> {
             broken: queue.fetch(&self.bonds.broken, all)?,
             released: queue.fetch(&self.bonds.released, all)?,
             bond_history: queue.fetch(&self.bonds.apart.history, all)?,
+            heated: self.plan.heat.is_some(),
             temperature: queue.fetch(&half.temperature, all)?,
             heat_accounts: queue.fetch(&self.heat.accounts, all)?,
             work_per_kelvin: queue.fetch(&self.heat.work_per_kelvin, all)?,
@@ -95,7 +97,8 @@ impl<R: Runtime> Snapshot<R> {
         let [dx, dy, dz] = &mut self.derivatives;
         let derivatives = [dx.view()?, dy.view()?, dz.view()?];
         let orientation = self.orientation.view()?;
-        let (temperature, force) = (self.temperature.view()?, self.force.view()?);
+        let (spin, force) = (self.spin.view()?, self.force.view()?);
+        let temperature = Temperatures { apart: self.temperature.view()?, spin };
         let (heat_accounts, work) = (self.heat_accounts.view()?, self.work_per_kelvin.view()?);
         let moments = self.spins.is_empty();
         let put_aside = PutAside {
@@ -122,7 +125,7 @@ impl<R: Runtime> Snapshot<R> {
                 gather(&at, |i| std::array::from_fn(|k| image[k * n + i]))
             },
             velocity: vectors(&at, motion),
-            angular_velocity: if moments { vectors(&at, self.spin.view()?) } else { self.spins },
+            angular_velocity: if moments { vectors(&at, spin) } else { self.spins },
             force: vectors(&at, force),
             moment: if moments { vectors(&at, self.moment.view()?) } else { vec![[0.0; 3]; n] },
             orientation: if orientation.is_empty() { Vec::new() } else { gather(&at, |i| orientation[i].0) },
@@ -138,14 +141,29 @@ impl<R: Runtime> Snapshot<R> {
             wall_contacts,
             bonds: with_breakages(&self.bonds, self.since, self.broken.view()?, self.released.view()?),
             bond_histories: histories(self.bond_history.view()?),
-            temperature: if temperature.is_empty() { Vec::new() } else { gather(&at, |i| temperature[i]) },
-            heat_rate: if temperature.is_empty() { Vec::new() } else { gather(&at, |i| force[i].scalar()) },
+            temperature: if self.heated { gather(&at, |i| temperature.of(i)) } else { Vec::new() },
+            heat_rate: if self.heated { gather(&at, |i| force[i].scalar()) } else { Vec::new() },
             exposure: self.exposure.to_vec(),
             reference_radius: self.reference_radius.to_vec(),
             heat_accounts: if heat_accounts.is_empty() { Vec::new() } else { gather(&at, |i| heat_accounts[i].0) },
             work_per_kelvin: if work.is_empty() { Vec::new() } else { gather(&at, |i| work[i]) },
             id: self.ids,
         })
+    }
+}
+
+/// Temperatures as a half keeps them.
+pub(super) struct Temperatures<'a> {
+    /// Where particles do not turn.
+    pub(super) apart: &'a [f64],
+    /// Else.
+    pub(super) spin: &'a [Quad],
+}
+
+impl Temperatures<'_> {
+    /// That of the particle at a place of the working order, K.
+    pub(super) fn of(&self, i: usize) -> f64 {
+        self.apart.get(i).copied().unwrap_or_else(|| self.spin[i].scalar())
     }
 }
 

@@ -16,7 +16,9 @@ impl History {
         let mut columns = vec![Vec::new(); names.len()];
         for line in lines {
             let mut cells = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN));
-            columns.iter_mut().for_each(|column| column.push(cells.next().unwrap_or(f64::NAN)));
+            for column in &mut columns {
+                column.push(cells.next().unwrap_or(f64::NAN));
+            }
         }
         History { names, columns }
     }

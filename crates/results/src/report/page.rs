@@ -38,7 +38,9 @@ pub(super) fn page(run: &Path, subject: &Subject) -> Result<String, Error> {
     section("curves", "Curves", curves(&path, &text, subject));
     let groups = of_history(&history);
     let drawn: Vec<(&'static str, &'static str, String)> = groups.iter().map(of_group).collect();
-    drawn.into_iter().for_each(|(id, title, body)| section(id, title, body));
+    for (id, title, body) in drawn {
+        section(id, title, body);
+    }
     section("case", "Case", case(run));
     section("files", "Files", files(run, history.rows())?);
 
@@ -237,6 +239,7 @@ fn held(folder: &Path) -> Result<(u64, u64), Error> {
 }
 
 fn meaning(name: &str) -> &'static str {
+    let ending = Path::new(name).extension().unwrap_or_default();
     match name {
         CASE => "the case as it ran, every default written out",
         HISTORY => "energies, counts and gauges over time, one row per recorded step",
@@ -244,8 +247,8 @@ fn meaning(name: &str) -> &'static str {
         _ if name.trim_end_matches('/') == FRAMES => "one file per instant, written once",
         _ if name.trim_end_matches('/') == CHECKPOINTS => "complete states; `tdem resume` goes on from the last",
         _ if name.trim_end_matches('/') == PICTURES => "pictures that were drawn as the run went on",
-        _ if name.ends_with(".vtkhdf") => "for ParaView: all instants in time",
-        _ if name.ends_with(".svg") => "a curve that the case asks for",
+        _ if ending == "vtkhdf" => "for ParaView: all instants in time",
+        _ if ending == "svg" => "a curve that the case asks for",
         _ => "",
     }
 }

@@ -7,7 +7,7 @@ pub(super) struct Track {
     pub(super) targets: Vec<u64>,
     /// One for each instant.
     pub(super) samples: Vec<Sample>,
-    /// In which step each bond broke, `(bonds)`; `None` if it holds at the end.
+    /// In which step each bond broke, `(bonds)`; `None` if it holds at the last instant.
     pub(super) breaks: Vec<Option<u64>>,
 }
 
@@ -80,7 +80,7 @@ impl Difference {
 }
 
 impl Pair {
-    /// Compares two rungs of the same particles and bonds at the same instants, s.
+    /// Compares two rungs of the same particles and bonds at the same instants, s, as far as both got.
     pub(super) fn of(coarse: &Track, fine: &Track, instants: &[f64]) -> Self {
         let at = |(index, &heat_time): (usize, &f64)| {
             let (a, b) = (&coarse.samples[index], &fine.samples[index]);
@@ -102,7 +102,8 @@ impl Pair {
                 kinetic_over_elastic: [a.kinetic_over_elastic, b.kinetic_over_elastic],
             }
         };
-        Pair { differences: instants.iter().enumerate().map(at).collect() }
+        let both = coarse.samples.len().min(fine.samples.len());
+        Pair { differences: instants.iter().enumerate().take(both).map(at).collect() }
     }
 
     /// The first instant at which a bond is broken on one rung and not on the other, s of heat; `None` if there is none.
@@ -153,6 +154,8 @@ mod tests {
         assert_eq!((last.broken, last.broken_in_one, last.broken_part()), ([3, 2], 1, Some(0.5)));
         assert_eq!(pair.parted(), Some(0.5));
         assert_eq!(pair.worst(|d| d.temperature.rms).map(|d| d.heat_time), Some(0.5));
+        let started = Track { samples: fine.samples[..1].into(), ..fine.clone() };
+        assert_eq!(Pair::of(&coarse, &started, &[0.5, 1.0]).differences[..], pair.differences[..1]);
         let none = Pair::of(&fine, &fine, &[0.5, 1.0]);
         assert_eq!((none.parted(), none.differences[1].broken_in_one), (None, 0));
     }

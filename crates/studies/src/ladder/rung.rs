@@ -23,6 +23,9 @@ pub struct Rung {
     pub halved: Halved,
     /// What runs.
     pub built: Built,
+    /// The case as it runs, with the step, the version of this program and the hash of the state that it begins from: two rungs
+    /// of the same text have the same results.
+    pub case_toml: String,
 }
 
 impl Rung {
@@ -65,13 +68,22 @@ pub fn rungs(loaded: &Loaded, count: u32, runs: &dyn RunLoader) -> Result<Vec<Ru
     let heat = loaded.case.heat.as_ref().ok_or(Error::NoHeat)?;
     let halved = if heat.motion == Motion::Scaled { Halved::TimeScale } else { Halved::HeatStep };
     let build = |loaded: &Loaded, label: String| match loaded.build_with(runs) {
-        Ok(built) => Ok(Rung { label, halved, built }),
+        Ok(built) => {
+            let case_toml = head(&label, &built) + &loaded.kept(&built)?;
+            Ok(Rung { label, halved, built, case_toml })
+        }
         Err(problems) => Err(Error::Refused { label, problems }),
     };
     match halved {
         Halved::TimeScale => slower(loaded, count, heat.time_scale(&loaded.case), build),
         Halved::HeatStep => finer(loaded, count, build),
     }
+}
+
+/// What a kept case does not tell of what its run depends on.
+fn head(label: &str, built: &Built) -> String {
+    let (version, hash) = (env!("CARGO_PKG_VERSION"), built.state.hash());
+    format!("# Rung {label} of a ladder, tdem {version}, from the state {hash:032x}.\n")
 }
 
 /// Rungs with less and less acceleration.

@@ -3,6 +3,7 @@
 mod balance;
 mod conduction;
 mod expansion;
+mod from_case;
 mod motion;
 mod surfaces;
 mod tables;
@@ -41,6 +42,13 @@ pub(super) const CASES: &[Case] = &[
         source: "lambda_eff = 4 H/a = lambda with A = sqrt(2) R^2; open sides: 1 - 1/(4 n_x) - 1/(4 n_y) of it, because so many bonds are missing",
         about: "Layers of a face-centred lattice are held at temperatures: what flows along each axis, and between open sides.",
         body: conduction::lattice_conductivity,
+    },
+    Case {
+        name: "thermal/open-sides",
+        tier: Tier::Quick,
+        source: "lambda A/L by bars thicker by 1/(1 - 1/(4 n_x) - 1/(4 n_y)); 1 - 1/(4 n_x n_y) of it with bonds within sides times 3/2, counted",
+        about: "A block of 3 x 2 x 3 cells from a case file with heat.open_sides as cells, then as sides: what flows between its ends.",
+        body: from_case::open_sides,
     },
     Case {
         name: "thermal/unlike",
@@ -181,6 +189,13 @@ pub(super) const CASES: &[Case] = &[
         source: "quasi-static: F = -K_n L alpha mean(dT), whatever S is",
         about: "A chain between rigid ends is heated at one of them, with S and S/2: temperatures and force at the same time of the heat.",
         body: balance::time_scale,
+    },
+    Case {
+        name: "thermal/mass-scaling",
+        tier: Tier::Quick,
+        source: "u = m g n(n + 1)/(2 K_n) of the true masses; leapfrog sin(a/2) = w dt/2 with w = 2 sqrt(K_n/(beta m)) sin(k/2); Euler with the true m c",
+        about: "A chain hangs down, swings and conducts, from a case file with time.mass_scaling 1 and 25: its end, its period, temperatures.",
+        body: from_case::mass_scaling,
     },
     Case {
         name: "thermal/balance",

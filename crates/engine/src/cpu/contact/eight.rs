@@ -1,11 +1,12 @@
 //! The contact loop for eight pairs at a time.
 
+use super::heat::WarmEights;
 use super::{Crushed, Rows, Scene, Variant, worse};
 use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
 use std::marker::PhantomData;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
-    Encounter, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, respond, touch_spheres,
+    Encounter, Interaction, Kick, Law, Losses, Period, Response, Sphere, Touch, elastic_force, respond, touch_spheres,
 };
 use tdem_physics::real::WIDTH;
 use tdem_physics::{Vec3, vec3};
@@ -171,6 +172,7 @@ struct Eights<R> {
     overlap_limit: R,
     /// The parameters, where there is one pair of materials only.
     alone: Option<Interaction<R>>,
+    warm: Option<WarmEights<R>>,
 }
 
 impl<R: Eight> Eights<R> {
@@ -182,6 +184,7 @@ impl<R: Eight> Eights<R> {
             step: R::lit(scene.step),
             overlap_limit: R::lit(scene.overlap_limit),
             alone: if scene.interactions.len() == 1 { Some(splat(&scene.interactions[0])) } else { None },
+            warm: WarmEights::new(scene),
         }
     }
 
@@ -222,22 +225,35 @@ impl<R: Eight> Eights<R> {
             None => gather_interactions(scene, &group.i, &group.j),
         };
         let response = respond(self.law, &encounter, displacement, &interaction, self.step);
-        keep_eight::<V, R>(scene, rows, group, &response, arms, active);
+        let heat_rate = match &self.warm {
+            Some(warm) => warm.heat_rate(scene, [&group.i, &group.j], touch, radii),
+            None => R::lit(0.0),
+        };
+        keep_eight::<V, R>(scene, rows, group, &response, heat_rate, arms, active);
+        if V::LEDGER && !rows.pressure.is_empty() {
+            let zero = R::lit(0.0);
+            let pressure =
+                R::quads([elastic_force(encounter.radius_eff, touch.overlap, &interaction), zero, zero, zero]);
+            for l in (0..WIDTH).filter(|l| active >> l & 1 != 0) {
+                rows.pressure[group.slot[l] as usize] = pressure[l][0];
+            }
+        }
     }
 }
 
-/// Keeps what the contacts do.
+/// Keeps what the contacts do: forces, heat rates, moments, and what they remember and lost.
 #[inline(always)]
 fn keep_eight<V: Variant, R: Eight>(
     scene: &Scene<'_>,
     rows: &mut Rows<'_>,
     group: &Group,
     response: &Response<R>,
+    heat_rate: R,
     arms: [R; 2],
     active: u8,
 ) {
     let zero = R::lit(0.0);
-    let force = quads(response.force);
+    let force = R::quads([response.force.x, response.force.y, response.force.z, heat_rate]);
     let displacement = quads(response.displacement);
     let moments = [quads(response.moment_per_arm * arms[0]), quads(response.moment_per_arm * arms[1])];
     for l in 0..WIDTH {

@@ -1,17 +1,18 @@
-//! What contacts, walls and bonds do to the heat of particles, and what expansion does to their springs.
+//! What walls and bonds do to the heat of particles, and what expansion does to springs.
 
 use super::Flows;
 use crate::cpu::bodies::Bodies;
 use crate::cpu::bonds::Bonds;
-use crate::cpu::neighbours::Neighbours;
+use crate::cpu::neighbours::{Neighbours, WallSlot};
 use crate::cpu::pieces::{chunks_of, split};
 use crate::{HeatPlan, Plan};
 use rayon::prelude::*;
+use std::iter::Peekable;
+use std::slice::Iter;
 use tdem_physics::Vec3;
-use tdem_physics::contact::encounter::radius_eff;
-use tdem_physics::contact::{Touch, elastic_force, touch_spheres, touch_wall};
+use tdem_physics::contact::{Touch, elastic_force, touch_wall};
 use tdem_physics::heat::Link;
-use tdem_physics::heat::conduction::{at_wall, between_spheres, flow};
+use tdem_physics::heat::conduction::{at_wall, flow};
 use tdem_physics::heat::expansion_work::{of_bond, of_contacts};
 
 /// What the conduction of heat looks at.
@@ -34,32 +35,6 @@ pub(super) struct AtWalls {
 }
 
 impl Conduction<'_> {
-    /// What listed pairs conduct, and how hard they press.
-    pub(super) fn pairs(&self, list: &Neighbours, flows: &mut Flows) {
-        let presses = self.plan.books_expansion();
-        flows.contacts.resize(list.other.len(), 0.0);
-        flows.pressure.resize(if presses { list.other.len() } else { 0 }, 0.0);
-        let particles = chunks_of(self.bodies.len());
-        let pairs: Vec<usize> = particles.iter().map(|&p| list.start[p] as usize).collect();
-        let mut pressure = split(&mut flows.pressure, &pairs);
-        let pieces: Vec<_> =
-            split(&mut flows.contacts, &pairs).map(|flow| (flow, pressure.next().unwrap_or_default())).collect();
-        pieces.into_par_iter().zip(particles.par_windows(2)).for_each(|((flow, pressure), chunk)| {
-            let base = list.start[chunk[0]] as usize;
-            for i in chunk[0]..chunk[1] {
-                for pair in list.row(i) {
-                    let j = list.other[pair] as usize;
-                    let acts = list.touching[pair] && list.bonded.get(pair) != Some(&true);
-                    let touch = acts.then(|| self.touch(i, j));
-                    let open = touch.as_ref().filter(|_| !self.beside_bond(i, j));
-                    flow[pair - base] = open.map_or(0.0, |touch| self.contact(i, j, touch));
-                    if let Some(pressure) = pressure.get_mut(pair - base) {
-                        *pressure = touch.map_or(0.0, |touch| self.pressure(i, j, &touch));
-                    }
-                }
-            }
-        });
-    }
     /// What bonds conduct, and what their expansion does.
     pub(super) fn bonds(&self, flows: &mut Flows) {
         flows.bonds.resize(self.bonds.table.len(), 0.0);
@@ -83,18 +58,19 @@ impl Conduction<'_> {
             }
         });
     }
-    /// What walls do to a particle, by their indices.
+    /// What walls do to a particle, by their indices. `slots` are those from this particle on.
     pub(super) fn walls(
         &self,
-        list: &Neighbours,
+        slots: &mut Peekable<Iter<'_, WallSlot>>,
         i: usize,
         position: &[[f64; 3]],
         temperatures: &[Option<f64>],
     ) -> AtWalls {
         let (mut all, follows) = (AtWalls::default(), self.plan.books_expansion());
-        let first = list.wall_slots.partition_point(|slot| (slot.particle as usize) < i);
-        let touching = list.wall_slots[first..].iter().take_while(|slot| slot.particle as usize == i);
-        for slot in touching.filter(|slot| slot.touching) {
+        while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
+            if !slot.touching {
+                continue;
+            }
             let wall = slot.wall as usize;
             let touch = self.touch_of_wall(i, wall, position);
             if let Some(temperature) = temperatures[wall] {
@@ -151,35 +127,10 @@ impl Conduction<'_> {
         let softening = bonds.tables.softening(a * self.plan.materials + b, temperatures, energy);
         work.map(|work| work + softening)
     }
-    /// How two particles lie to each other.
-    fn touch(&self, i: usize, j: usize) -> Touch<f64> {
-        let [first, second] = [i, j].map(|k| &self.bodies.place[k]);
-        let offset = self.plan.domain.period().nearest(second.vector() - first.vector());
-        touch_spheres(offset, first.scalar() + second.scalar())
-    }
     /// How a particle lies to a wall.
     fn touch_of_wall(&self, i: usize, wall: usize, position: &[[f64; 3]]) -> Touch<f64> {
         let (place, normal) = (&self.bodies.place[i], self.plan.walls[wall].normal.into());
         touch_wall(place.vector(), place.scalar(), position[wall].into(), normal)
-    }
-    /// Elastic force between two particles that touch, N.
-    fn pressure(&self, i: usize, j: usize, touch: &Touch<f64>) -> f64 {
-        let [first, second] = [i, j].map(|k| self.bodies.place[k].scalar());
-        let interaction = self.plan.interaction(self.bodies.material[i], self.bodies.material[j]);
-        elastic_force(radius_eff(first, second), touch.overlap, interaction)
-    }
-    /// Heat rate into the first of two particles that touch, W.
-    fn contact(&self, i: usize, j: usize, touch: &Touch<f64>) -> f64 {
-        let [first, second] = [i, j].map(|k| self.bodies.place[k].scalar());
-        let materials = [i, j].map(|k| self.bodies.material[k]);
-        let conductor = self.heat.conductor(materials[0], materials[1]);
-        let conductance = between_spheres(self.heat.contacts, conductor, first, second, touch);
-        self.flow(conductance, materials, [i, j].map(|k| self.bodies.temperature[k]))
-    }
-    /// Whether a contact acts beside a bond that holds: then the bond alone conducts.
-    fn beside_bond(&self, i: usize, j: usize) -> bool {
-        let beside = self.plan.bonds.as_ref().is_some_and(|bonds| bonds.contact_in_bonded_pairs);
-        beside && !self.bonds.is_empty() && self.bonds.hold(&self.bodies.rank, i, j)
     }
     /// Heat rate from a wall of a temperature, K, into a particle that touches it, W.
     fn wall(&self, i: usize, wall: usize, touch: &Touch<f64>, temperature: f64) -> f64 {

@@ -9,6 +9,9 @@ typedef struct {
 #if BONDS
     Quaternion orientation;
 #endif
+#if HEAT
+    real temperature;
+#endif
 } Body;
 
 #if BONDS
@@ -41,19 +44,26 @@ DEVICE Body body_at(const u32 i, const Quad place, const Quad motion, const Quad
 {
     Body body;
     body.sphere = sphere(place, motion, spin);
+#if HEAT
+    body.temperature = spin.w;
+#endif
 #if GEAR
     derivatives_at(&body, derivatives_x[i], derivatives_y[i], derivatives_z[i]);
 #endif
     return body;
 }
 
-// Everything but the place, which is still looked at.
+// Everything but the place, which is still looked at, and a temperature that stands apart.
 DEVICE void keep_motion(const u32 i, const Body body, GLOBAL Quad *motion, GLOBAL Quad *spin, GLOBAL Quad *derivatives_x,
                         GLOBAL Quad *derivatives_y, GLOBAL Quad *derivatives_z)
 {
     motion[i] = quad(body.sphere.velocity, body.sphere.mass);
 #if MOMENTS
+#if HEAT
+    spin[i] = quad(body.sphere.angular_velocity, body.temperature);
+#else
     spin[i] = quad(body.sphere.angular_velocity, 0.0);
+#endif
 #endif
 #if GEAR
     const Vec3 *d = body.derivatives;

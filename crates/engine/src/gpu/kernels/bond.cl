@@ -246,6 +246,7 @@ kernel bond
             heated.factors = factors;
             heated.pieces = pieces;
             const Sphere bonded_first = as_bonded(first, i, heated), bonded_second = as_bonded(second, j, heated);
+            const real mine = TEMPERATURE_AT(i, LOAD(spin, i)), theirs = TEMPERATURE_AT(j, LOAD(spin, j));
             Reaction acting;
 #if BONDS_REMEMBER
             const real bonded_length = bond_length[b];
@@ -260,10 +261,10 @@ kernel bond
             Bond numbers = bond_of(step, i, j, bonded_first, bonded_second, bonded_length, kind, joints, beams);
 #if HEAT
             const Link link = link_of(step, i, j, bonded_first, bonded_second, kind, heated);
-            const real flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature[i],
-                                           temperature[j], heated);
+            const real flow = through_bond(link, bonded_length, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), mine, theirs,
+                                           heated);
 #if EXPANDS
-            posture.free_strain = strain_of(step, link, temperature[i], temperature[j]);
+            posture.free_strain = strain_of(step, link, mine, theirs);
 #endif
 #endif
 #if SCATTERED_BONDS
@@ -271,8 +272,7 @@ kernel bond
             numbers.shear_strength *= bond_strength[b];
 #endif
 #if BOND_TABLES
-            numbers = bond_at(step, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature[i], temperature[j],
-                              heated);
+            numbers = bond_at(step, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), mine, theirs, heated);
 #endif
 #if BONDS_REMEMBER
             Advance advance;
@@ -316,7 +316,7 @@ kernel bond
             expansion_work_of_bond(link.second_growth, acting.load.normal, bonded_length, &work_of_second);
 #if SOFTENING_WORK
             const real softening = softening_of(step, acting.load, numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]),
-                                                temperature[i], temperature[j], heated);
+                                                mine, theirs, heated);
             work += softening;
             work_of_second += softening;
 #endif
@@ -341,12 +341,6 @@ kernel bond
     hand_on(step, status, flags, 0u);
 #endif
 }
-
-#if HEAT
-#define TEMPERATURE_OF(j)  LOAD_REAL(heated.temperature, j)
-#else
-#define TEMPERATURE_OF(j)  0.0
-#endif
 
 #if !BONDS_APART
 // The law of one bond as seen from particle i, the heat rate that goes through it into i, and what its spring gains per
@@ -424,8 +418,7 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
             continue;
         const u32 j = entry & ~HOLDS;
         const Quad x = LOAD(place, j);
-        // With the place: what waits for one waits for both.
-        const real theirs = TEMPERATURE_OF(j);
+        const real theirs = TEMPERATURE_AT(j, LOAD(spin, j));
         Sphere partner = BONDED_SPHERE(x, j);
         partner.radius = RADIUS_OF_PARTNER(x);
         const Vec3 offset = offset_between(step, body.position, vector(x));
@@ -483,7 +476,7 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
             continue;
         const u32 j = entry & ~HOLDS;
         const Sphere partner = sphere(place[j], motion[j], spin[j]);
-        const real theirs = TEMPERATURE_OF(j);
+        const real theirs = TEMPERATURE_AT(j, LOAD(spin, j));
         const Vec3 offset = offset_between(step, body.position, partner.position);
         Bond numbers;
         real flow, work;

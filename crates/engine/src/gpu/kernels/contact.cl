@@ -4,7 +4,8 @@
 // What a particle that touches others or walls conducts. Where bonds keep contact off, few do: kept out of the loop over
 // contacts, this costs it no registers.
 DEVICE void conduct_through_contacts(const Step step, const u32 i, const Sphere body, const u32 material,
-                                     GLOBAL const Quad *RESTRICT place, GLOBAL const u32 *RESTRICT kind,
+                                     GLOBAL const Quad *RESTRICT place, GLOBAL const Quad *RESTRICT spin,
+                                     GLOBAL const u32 *RESTRICT kind,
                                      GLOBAL const u32 *RESTRICT slice, GLOBAL const u32 *other,
                                      GLOBAL const Wall *RESTRICT walls, GLOBAL const Quad *RESTRICT wall_place,
                                      const Heated heated, Heat *heat)
@@ -18,7 +19,8 @@ DEVICE void conduct_through_contacts(const Step step, const u32 i, const Sphere 
             const Quad x = LOAD(place, j);
             const real radius = RADIUS_OF_PARTNER(x);
             touch_of_spheres(offset_between(step, body.position, vector(x)), body.radius + radius, &touch);
-            heat->contacts += from_partner(step, body, radius, touch, material, j, kind, *heat, heated);
+            heat->contacts += from_partner(step, body, radius, touch, material, MATERIAL_OF(kind[j]),
+                                           TEMPERATURE_AT(j, LOAD(spin, j)), *heat, heated);
         } else {
             const Wall wall = walls[j - step.particles];
             touch_of_wall(body.position, body.radius, vector(wall_place[j - step.particles]), wall.normal, &touch);
@@ -81,7 +83,8 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             if (!beside_bond(step, i, j, heated.bond_other))
 #endif
 #if HEAT_THROUGH_CONTACTS && !BONDS_KEEP_OFF
-                heat->contacts += from_partner(step, body, radius, touch, material, j, kind, *heat, heated);
+                heat->contacts += from_partner(step, body, radius, touch, material, MATERIAL_OF(kind[j]),
+                                               TEMPERATURE_AT(j, LOAD(spin, j)), *heat, heated);
 #endif
             const Quad v = LOAD(motion, j);
 #if MOMENTS
@@ -245,7 +248,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
     *moment = m;
 #if HEAT_THROUGH_CONTACTS && BONDS_KEEP_OFF
     if (touches)
-        conduct_through_contacts(step, i, body, material, place, kind, slice, other, walls, wall_place, heated, heat);
+        conduct_through_contacts(step, i, body, material, place, spin, kind, slice, other, walls, wall_place, heated, heat);
 #endif
     return flags;
 }
@@ -301,13 +304,14 @@ kernel contact
     if (!flags) {
         FOR_EACH(i, step.particles) {
 #if MOMENTS
-            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), LOAD(spin, i));
+            const Quad turning = LOAD(spin, i);
 #else
-            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), QUAD(0.0, 0.0, 0.0, 0.0));
+            const Quad turning = QUAD(0.0, 0.0, 0.0, 0.0);
 #endif
+            const Sphere body = sphere(LOAD(place, i), LOAD(motion, i), turning);
             Heated heated;
             LOOK_UP(heated);
-            Heat heat = heat_at(i, heated);
+            Heat heat = heat_at(TEMPERATURE_AT(i, turning));
             Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if LEDGER
             Quad account = accounts[i];

@@ -23,7 +23,7 @@ kernel fused
                 Heated heated;
                 LOOK_UP(heated);
                 heated.specific_heats = specific_heats;
-                Heat heat = heat_at(i, heated);
+                Heat heat = heat_at(TEMPERATURE_AT(i, w));
                 Vec3 f, m, bond_force = zero(), bond_moment = zero();
 #if BONDS
                 body.orientation = quaternion(LOAD(orientation, i));
@@ -49,10 +49,12 @@ kernel fused
                 predict_body(step, &body, f, m, next_held, next_held);
                 real growth = 0.0;
 #if HEAT
-                real now = heat.temperature;
+                body.temperature = heat.temperature;
                 const real rate = heat_rate_of(step, i, MATERIAL_OF(mine), &heat, heated);
-                wrong |= warm(step, i, MATERIAL_OF(mine), rate, heated, &body.sphere, &now);
-                next_temperature[i] = now;
+                wrong |= warm(step, i, MATERIAL_OF(mine), rate, heated, &body.sphere, &body.temperature);
+#if !MOMENTS
+                next_temperature[i] = body.temperature;
+#endif
 #endif
 #if EXPANDS
                 growth = body.sphere.radius - listed_radius[i];

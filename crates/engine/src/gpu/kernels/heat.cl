@@ -34,6 +34,16 @@ typedef struct {
     heated.pieces = pieces;                      \
     heated.bond_other = bond_other
 
+// Where particles turn, their temperatures are the fourth numbers of their spins, which are loaded anyway; else they stand
+// apart.
+#if !HEAT
+#define TEMPERATURE_AT(i, spin)  0.0
+#elif MOMENTS
+#define TEMPERATURE_AT(i, spin)  (spin).w
+#else
+#define TEMPERATURE_AT(i, spin)  LOAD_REAL(heated.temperature, i)
+#endif
+
 // The temperature of a particle and its heat rate, as far as it is summed; and, where they are asked for, the heat that it
 // gets from friction and dashpots, and what its energy in springs gains per kelvin, each in parts that are added in the end.
 typedef struct {
@@ -49,15 +59,13 @@ typedef struct {
     real work_of_bonds;
 } Heat;
 
-DEVICE Heat heat_at(const u32 i, const Heated heated)
+DEVICE Heat heat_at(const real temperature)
 {
     Heat heat;
-    heat.temperature = heat.contacts = heat.bonds = heat.foreign = 0.0;
+    heat.temperature = temperature;
+    heat.contacts = heat.bonds = heat.foreign = 0.0;
     heat.made_at_contacts = heat.made_at_walls = heat.made_by_bonds = 0.0;
     heat.pressure_of_contacts = heat.pressure_of_walls = heat.work_of_bonds = 0.0;
-#if HEAT
-    heat.temperature = heated.temperature[i];
-#endif
     return heat;
 }
 
@@ -245,10 +253,9 @@ DEVICE real strain_of(const Step step, const Link link, const real mine, const r
 
 // Into a particle, from a partner that it touches.
 DEVICE real from_partner(const Step step, const Sphere body, const real radius, const Touch touch, const u32 material,
-                         const u32 j, GLOBAL const u32 *RESTRICT kind, const Heat heat, const Heated heated)
+                         const u32 other, const real theirs, const Heat heat, const Heated heated)
 {
-    const u32 other = MATERIAL_OF(kind[j]);
-    const real mine = heat.temperature, theirs = heated.temperature[j];
+    const real mine = heat.temperature;
     real conductance, rate;
     between_spheres(CONDUCTOR(material, other), body.radius, radius, touch, &conductance);
     heat_flow(tempered(conductance, material, other, mine, theirs, heated), mine, theirs, &rate);

@@ -140,13 +140,14 @@ kernel predict
                 real growth = 0.0;
 #if HEAT
                 Heated heated;
+                heated.temperature = temperature;
                 heated.reference_radius = reference_radius;
                 heated.thermals = thermals;
                 heated.specific_heats = specific_heats;
                 heated.exposure = exposure;
                 heated.exposures = exposures;
                 heated.pieces = pieces;
-                real now = temperature[i];
+                body.temperature = TEMPERATURE_AT(i, SPIN(i));
                 wrong = warm(step, i, MATERIAL_OF(kind[i]), whole.w, heated, &body.sphere,
 #if LEDGER
                              heat_accounts,
@@ -154,8 +155,10 @@ kernel predict
                              work_per_kelvin, warming,
 #endif
 #endif
-                             &now);
-                temperature[i] = now;
+                             &body.temperature);
+#if !MOMENTS
+                temperature[i] = body.temperature;
+#endif
 #endif
 #if EXPANDS
                 growth = body.sphere.radius - listed_radius[i];
