@@ -189,7 +189,9 @@ mod tests {
             Event::Finished { step: 1000, done: 990, secs: 12.5 },
             Event::Hash { step: 1000, hash: "00ff".into() },
         ];
-        events.iter().for_each(|event| append(folder.path(), event).expect("it can be written"));
+        for event in &events {
+            append(folder.path(), event).expect("it can be written");
+        }
         let path = folder.path().join(FILE);
         let text = fs::read_to_string(&path).expect("it can be read");
         fs::write(&path, text + "2026-01-01T00:00:00Z a line of another version\n2026-01-0")

@@ -95,7 +95,7 @@ mod tests {
         write(&mut Sheet { columns: 12, pixels: &mut pixels }, "-", [1, 1], 2, [0; 3]);
         let dark = |column: usize, row: usize| pixels[3 * (row * 12 + column)] == 0;
         assert!((1..11).all(|column| dark(column, 7) && dark(column, 8)));
-        assert_eq!(pixels.iter().filter(|&&part| part == 0).count(), 3 * 10 * 2);
+        assert_eq!(pixels.as_chunks::<3>().0.iter().filter(|pixel| **pixel == [0; 3]).count(), 10 * 2);
         assert_eq!(width("0.5", 2), 34);
     }
 }
