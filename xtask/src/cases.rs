@@ -11,6 +11,8 @@ use std::sync::Mutex;
 const WHOLE: &str = "packing";
 /// The others only show that they run.
 const STEPS: &str = "200";
+/// Reports of these are opened in a browser: one of each kind, and one that is compared with a reference.
+const SHOWN: &[&str] = &["packing", "tension", "heating", "furnace-temperature"];
 /// What reads the results.
 const READERS: &[&str] = &["vtk", "h5py", "numpy"];
 
@@ -50,6 +52,20 @@ pub(crate) fn read(workspace: &Workspace) -> Result<(), Failure> {
     runs.iter().fold(script, Command::argument).run()
 }
 
+/// Opens reports in a browser.
+pub(crate) fn show(workspace: &Workspace) -> Result<(), Failure> {
+    let runs: Vec<PathBuf> = SHOWN.iter().map(|name| results(workspace).join(name)).collect();
+    if let Some(missing) = runs.iter().find(|run| !run.exists()) {
+        return Err(Failure(format!("the part `cases` makes what is to be shown: {}", missing.display())));
+    }
+    let script = program_at(system_python()).argument(workspace.root.join("scripts/check_report.py"));
+    runs.iter().fold(script, Command::argument).run()
+}
+
+fn system_python() -> &'static str {
+    if cfg!(windows) { "python" } else { "python3" }
+}
+
 /// Begins to install the readers, beside other parts: it takes the network more than a core.
 pub(crate) fn readers_ahead(workspace: &Workspace) {
     let target = workspace.target.clone();
@@ -65,8 +81,7 @@ fn python(target: &Path) -> Result<PathBuf, Failure> {
     let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let import = format!("import {}", READERS.join(", "));
     if !program_at(&python).argument("-c").argument(import).succeeds() {
-        let system = if cfg!(windows) { "python" } else { "python3" };
-        program_at(system).argument("-m").argument("venv").argument(&environment).run()?;
+        program_at(system_python()).argument("-m").argument("venv").argument(&environment).run()?;
         let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
         let install = pip.iter().chain(READERS).fold(program_at(&python), Command::argument);
         install.run()?;

@@ -39,6 +39,7 @@ const PARTS: &[Part] = &[
     },
     Part { name: "cases", what: "every case runs", run: |w, _| cases::run(w) },
     Part { name: "readers", what: "VTK and h5py read what the cases wrote", run: |w, _| cases::read(w) },
+    Part { name: "reports", what: "a browser shows the reports of the cases", run: |w, _| cases::show(w) },
     Part { name: "doctests", what: "examples in the documentation", run: |_, count| suite::examples(count) },
     Part { name: "tests", what: "tests", run: |w, count| suite::all(w, count) },
 ];

@@ -53,6 +53,9 @@ fn outputs() -> String {
          `_z`. Frames hold numbers in single precision unless the case asks for double; `history.csv` and checkpoints \
          hold every bit. [numerics.md](numerics.md) says what the energy columns mean.\n",
     );
+    page += "\n`report.html` shows all of it on one page, for any browser, without loading anything. `pictures/NAME-STEP.png` are \
+             drawn as the run goes on, as `[[picture]]` of the case says; their text chunks tell `step`, `time` (s; of the heat, where there \
+             is any), `field`, and the values `low` and `high` at the ends of the colours.\n";
     for place in Place::ALL {
         let (file, what) = match place {
             Place::Particles => ("particles.vtkhdf", "one point per particle"),

@@ -3,6 +3,7 @@
 mod bonds;
 mod gauge;
 mod heat;
+mod picture;
 mod shape;
 
 pub use gauge::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
@@ -30,6 +31,7 @@ pub(crate) fn check(case: &Case, tree: &Node) -> Vec<Problem> {
     checker.particles();
     checker.zones();
     checker.gauges();
+    checker.pictures();
     checker.time_and_output();
     checker.problems
 }

@@ -7,6 +7,8 @@ use tdem_engine::Schedule;
 
 /// Frames after the first, if the case does not say.
 const FRAMES: u32 = 50;
+/// Pictures of each kind after the first, if the case does not say.
+const PICTURES: u32 = 4;
 /// Rows of the history after the first, if the case does not say.
 const HISTORY_ROWS: f64 = 1000.0;
 
@@ -35,8 +37,15 @@ pub(crate) fn schedule(case: &Case, dt: f64) -> Schedule {
         // Rounded up, so that there are never more frames than asked for.
         (None, frames) => steps.div_ceil(u64::from(frames.unwrap_or(FRAMES))),
     };
+    // Who wants no frames and no picture in particular wants none at all.
+    let unasked = if output.frames == Some(0) && case.picture.is_empty() { 0 } else { PICTURES };
+    let picture_every = match output.pictures.unwrap_or(unasked) {
+        0 => 0,
+        pictures => steps.div_ceil(u64::from(pictures)),
+    };
     Schedule {
         steps,
+        picture_every,
         frame_every,
         history_every: every(output.history_interval.map_or(end / HISTORY_ROWS, Positive::get)),
         checkpoint_every: output.checkpoint_interval.map(|interval| every(interval.get())),

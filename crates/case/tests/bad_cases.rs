@@ -125,6 +125,9 @@ fn messages_as_a_user_reads_them() {
         "heat-factor-range",
         "heat-factor-without-heat",
         "heat-series-without-table",
+        "picture-of-no-heat",
+        "picture-directions",
+        "picture-view-twice",
     ] {
         insta::assert_snapshot!(file, shown(&format!("{file}.toml")));
     }

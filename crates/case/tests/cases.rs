@@ -32,6 +32,28 @@ fn every_case_builds_without_warning() {
 }
 
 #[test]
+fn pictures_are_as_many_as_a_case_asks_for() {
+    let every = |set: &[(&str, &str)]| {
+        let schedule = build("packing.toml", set).schedule;
+        (schedule.steps, schedule.picture_every)
+    };
+    let (steps, often) = every(&[]);
+    assert_eq!(often, steps.div_ceil(4));
+    assert_eq!(every(&[("output.pictures", "10")]).1, steps.div_ceil(10));
+    assert_eq!(every(&[("output.pictures", "0")]).1, 0);
+    assert_eq!(every(&[("output.frames", "0")]).1, 0, "who wants no frames wants no pictures");
+    assert_eq!(every(&[("output.frames", "0"), ("output.pictures", "2")]).1, steps.div_ceil(2));
+    let names = |file: &str| {
+        let loaded = load(&cases().join(file), &[]).expect("the case is good");
+        loaded.case.pictures().into_iter().map(|picture| picture.name).collect::<Vec<_>>()
+    };
+    assert_eq!(names("packing.toml"), ["velocity"]);
+    assert_eq!(names("tension.toml"), ["damage"]);
+    assert_eq!(names("heated-bed.toml"), ["temperature"]);
+    assert_eq!(names("heating.toml"), ["temperature", "cracks"], "those of the case");
+}
+
+#[test]
 fn every_case_survives_being_written_out() {
     for file in [
         "packing.toml",

@@ -2,9 +2,11 @@
 
 use crate::render::{Report, Reports};
 use std::path::Path;
+use tdem_case::schema::{Field, Picture};
 use tdem_case::{Built, Case, Fields, Loaded, Problems};
 use tdem_engine::State;
 use tdem_results::curve::{Axis, Curve};
+use tdem_results::picture::{self, Colour, Series, Subject};
 use tdem_results::{Contents, Precision, load_final_state};
 
 /// Reads `KEY=VALUE`.
@@ -76,6 +78,41 @@ pub(crate) fn curves(case: &Case) -> Vec<Curve> {
         against: curve.against.iter().map(|of| (of.name.clone(), of.values.points())).collect(),
     });
     curves.collect()
+}
+
+/// What is drawn as the run goes on.
+pub(crate) fn pictures(case: &Case) -> Vec<Series> {
+    let series = |picture: Picture| Series {
+        options: picture::Options {
+            width: picture.size[0],
+            height: picture.size[1],
+            direction: picture.direction.unwrap_or(picture.view.unwrap_or_default().direction()),
+            subject: if picture.close { Subject::Particles } else { Subject::Domain },
+            colour: colour(picture.field),
+            range: picture.range,
+            clip: picture.clip.map(|clip| picture::Clip { point: clip.point, normal: clip.normal }),
+            walls: picture.walls,
+            bar: picture.bar,
+            ..picture::Options::default()
+        },
+        name: picture.name,
+    };
+    case.pictures().into_iter().map(series).collect()
+}
+
+/// What a picture shows.
+pub(crate) fn colour(field: Field) -> Colour {
+    match field {
+        Field::Velocity => Colour::Speed,
+        Field::AngularVelocity => Colour::Spin,
+        Field::Height => Colour::Height,
+        Field::Radius => Colour::Radius,
+        Field::Force => Colour::Force,
+        Field::Material => Colour::Material,
+        Field::Stress => Colour::Stress,
+        Field::Damage => Colour::Damage,
+        Field::Temperature => Colour::Temperature,
+    }
 }
 
 /// Whether a state belongs to a case: what a run never changes must be what the case says.

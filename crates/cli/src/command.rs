@@ -1,7 +1,8 @@
 //! What stands on the command line, and who answers it.
 
 use crate::{
-    bench, calibrate, check, console, info, kernels, ladder, new, pack, picture, render, resume, run, shell, verify,
+    bench, calibrate, check, console, info, kernels, ladder, new, pack, picture, render, report, resume, run, shell,
+    verify,
 };
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -30,6 +31,7 @@ Examples:
   tdem run silo.toml               run it into runs/silo
   tdem resume runs/silo            go on after an interruption, exactly
   tdem picture runs/silo           a quick look without ParaView
+  tdem report runs/silo            a page about it: pictures, histories, warnings
 
 Exit codes: 0 done, 1 the case or the run failed, 2 wrong usage, 128 + signal interrupted.";
 
@@ -49,6 +51,8 @@ enum Command {
     Pack(pack::Arguments),
     /// Draw the last state of a run as a PNG file
     Picture(picture::Arguments),
+    /// Write a page about a run that any browser shows: pictures, histories, curves, warnings
+    Report(report::Arguments),
     /// Compare the engine with closed forms and published values
     Verify(verify::Arguments),
     /// Find the bonds that give the packing of a case a modulus, a Poisson's ratio, a strength
@@ -77,6 +81,7 @@ pub(crate) fn main() -> ExitCode {
         Command::New(arguments) => new::execute(&arguments),
         Command::Pack(arguments) => pack::execute(&arguments),
         Command::Picture(arguments) => picture::execute(&arguments),
+        Command::Report(arguments) => report::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Calibrate(arguments) => calibrate::execute(&arguments),
         Command::Ladder(arguments) => ladder::execute(&arguments),

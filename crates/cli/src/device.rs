@@ -58,6 +58,17 @@ pub(crate) struct Found {
     pub(crate) listing: Option<Listing>,
 }
 
+impl Found {
+    /// What it is, for whoever reads of a run on another machine.
+    pub(crate) fn in_full(&self) -> String {
+        if self.listing.is_some() {
+            self.name.clone()
+        } else {
+            format!("{} ({})", self.name, crate::machine::processor())
+        }
+    }
+}
+
 impl Choice {
     /// Finds the device; `options` are for the processor.
     pub(crate) fn find(self, options: cpu::Options) -> Result<Found, Reports> {

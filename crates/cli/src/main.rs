@@ -22,6 +22,7 @@ mod pack;
 mod picture;
 mod progress;
 mod render;
+mod report;
 mod resume;
 mod run;
 mod shell;

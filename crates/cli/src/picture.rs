@@ -9,8 +9,9 @@ use clap::{Args, ValueEnum};
 use std::fs;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use tdem_case::schema::View;
 use tdem_engine::{Plan, State};
-use tdem_results::picture::{Colour, Options, Subject, render};
+use tdem_results::picture::{self, Clip, Colour, Options, Subject, render};
 use tdem_results::{Error, checkpoint, info};
 
 #[derive(Args, Debug)]
@@ -31,6 +32,12 @@ pub(crate) struct Arguments {
     /// From where: corner, front, back, left, right, top, bottom, or a direction X,Y,Z
     #[arg(long, default_value = "corner", value_parser = direction, allow_hyphen_values = true)]
     view: Direction,
+    /// Leave out what lies beyond a plane: one of its points, and the direction towards what is left out
+    #[arg(long, value_name = "X,Y,Z:X,Y,Z", value_parser = clip, allow_hyphen_values = true)]
+    clip: Option<Clip>,
+    /// Draw no bar of colours beside it
+    #[arg(long)]
+    no_bar: bool,
     /// Fill the picture with the particles instead of the whole domain
     #[arg(long)]
     close: bool,
@@ -45,7 +52,10 @@ pub(crate) struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   tdem picture runs/packing
-  tdem picture runs/packing --field force --view front --out force.png";
+  tdem picture runs/packing --field force --view front --out force.png
+  tdem picture runs/heating --field temperature --close --clip 0,0.1,0:0,-1,0
+
+A case draws such pictures while it runs: see `picture` in docs/case-file.md.";
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Field {
@@ -70,21 +80,18 @@ enum Field {
 }
 
 impl Field {
-    fn colour(self) -> (Colour, &'static str) {
+    fn colour(self) -> Colour {
         match self {
-            Field::Velocity => (Colour::Speed, " m/s"),
-            Field::AngularVelocity => (Colour::Spin, " rad/s"),
-            Field::Height => (Colour::Height, " m"),
-            Field::Radius => (Colour::Radius, " m"),
-            Field::Force => (Colour::Force, " N"),
-            Field::Material => (Colour::Material, ""),
-            Field::Stress => (Colour::Stress, " Pa"),
-            Field::Damage => (Colour::Damage, ""),
-            Field::Temperature => (Colour::Temperature, " K"),
+            Field::Velocity => Colour::Speed,
+            Field::AngularVelocity => Colour::Spin,
+            Field::Height => Colour::Height,
+            Field::Radius => Colour::Radius,
+            Field::Force => Colour::Force,
+            Field::Material => Colour::Material,
+            Field::Stress => Colour::Stress,
+            Field::Damage => Colour::Damage,
+            Field::Temperature => Colour::Temperature,
         }
-    }
-    fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 
@@ -92,21 +99,40 @@ type Direction = [f64; 3];
 type Size = (u32, u32);
 
 fn direction(text: &str) -> Result<Direction, String> {
-    match text {
-        "corner" => return Ok(Options::default().direction),
-        "front" => return Ok([0.0, -1.0, 0.0]),
-        "back" => return Ok([0.0, 1.0, 0.0]),
-        "left" => return Ok([-1.0, 0.0, 0.0]),
-        "right" => return Ok([1.0, 0.0, 0.0]),
-        "top" => return Ok([0.0, 0.0, 1.0]),
-        "bottom" => return Ok([0.0, 0.0, -1.0]),
-        _ => {}
+    let named = [
+        ("corner", View::Corner),
+        ("front", View::Front),
+        ("back", View::Back),
+        ("left", View::Left),
+        ("right", View::Right),
+        ("top", View::Top),
+        ("bottom", View::Bottom),
+    ];
+    if let Some((_, view)) = named.iter().find(|(name, _)| *name == text) {
+        return Ok(view.direction());
     }
-    let numbers: Vec<f64> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
-    match <[f64; 3]>::try_from(numbers) {
-        Ok(direction) if direction.iter().all(|x| x.is_finite()) && direction != [0.0; 3] => Ok(direction),
-        _ => Err("neither corner, front, back, left, right, top, bottom nor three numbers such as 1,-1,0.5".to_owned()),
-    }
+    vector(text).ok_or_else(|| {
+        "neither corner, front, back, left, right, top, bottom nor three numbers such as 1,-1,0.5".to_owned()
+    })
+}
+
+/// Three finite numbers that are not all 0.
+fn vector(text: &str) -> Option<Direction> {
+    numbers(text).filter(|direction| *direction != [0.0; 3])
+}
+
+fn numbers(text: &str) -> Option<Direction> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    <[f64; 3]>::try_from(numbers?).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
+}
+
+/// A point and a direction.
+fn clip(text: &str) -> Result<Clip, String> {
+    let plane =
+        text.split_once(':').and_then(|(point, normal)| Some(Clip { point: numbers(point)?, normal: vector(normal)? }));
+    plane.ok_or_else(|| {
+        "write POINT:NORMAL, such as 0,0.1,0:0,-1,0; what lies towards the normal is left out".to_owned()
+    })
 }
 
 fn size(text: &str) -> Result<Size, String> {
@@ -121,15 +147,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     }
     let built = cases::build(&cases::load(&run.join("case.toml"), &[])?)?;
     let state = choose(arguments, &built.plan)?;
-    let (colour, unit) = arguments.field.colour();
-    let values = colour.values(&state, &built.plan);
-    let own = [
-        values.iter().copied().fold(f64::INFINITY, f64::min),
-        values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    ];
+    let colour = arguments.field.colour();
     let range = match arguments.range.as_deref() {
         Some(&[low, high]) => [low, high],
-        _ => own,
+        _ => colour.range_of(&colour.values(&state, &built.plan)),
     };
     let (width, height) = arguments.size;
     let options = Options {
@@ -139,21 +160,24 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         subject: if arguments.close { Subject::Particles } else { Subject::Domain },
         colour,
         range: Some(range),
+        clip: arguments.clip,
+        bar: !arguments.no_bar,
         ..Options::default()
     };
     let picture = render(&state, &built.plan, &options)?;
-    let name = arguments.field.name();
-    let path = arguments.out.clone().unwrap_or_else(|| run.join(format!("pictures/{name}-{}.png", state.step)));
+    let name = colour.name();
+    let path = arguments.out.clone().unwrap_or_else(|| picture::file_of(run, name, state.step));
     if let (Some(folder), None) = (path.parent(), &arguments.out) {
         fs::create_dir_all(folder).map_err(|error| refused(folder, &error))?;
     }
     files::write(&path, &picture)?;
     say(format!(
-        "Step {}, t = {} s; {name} from {}{unit} (dark) to {}{unit} (bright)",
+        "Step {}, t = {} s; {name} from {} {unit} (dark) to {} {unit} (bright)",
         grouped(state.step),
         short(built.plan.time(state.step)),
         number(range[0], 3),
-        number(range[1], 3)
+        number(range[1], 3),
+        unit = colour.unit()
     ));
     data(argument(&path))?;
     Ok(ExitCode::SUCCESS)

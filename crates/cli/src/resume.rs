@@ -95,9 +95,17 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             device.name
         ));
     }
+    let machine = device.in_full();
     let simulation = Simulation::new(state, built.plan, device.device)?;
-    let curves = cases::curves(&loaded.case);
-    let (of_case, fields) = (built.schedule, built.fields);
-    let work = Work { directory, of_case, fields, curves, arguments: &arguments.work, signals };
+    let work = Work {
+        directory,
+        loaded: &loaded,
+        of_case: built.schedule,
+        fields: built.fields,
+        device: machine,
+        warnings: &built.warnings,
+        arguments: &arguments.work,
+        signals,
+    };
     work.run(simulation)
 }

@@ -59,11 +59,19 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         say(summary::before(&loaded, &built, &schedule, &device.name, &out));
     }
     let kept = cases::kept(&loaded, &built)?;
+    let machine = device.in_full();
     let simulation = Simulation::new(built.state, built.plan, device.device)?;
     let directory = RunDirectory::create(&out, &kept, arguments.overwrite)?;
-    let curves = cases::curves(&loaded.case);
-    let (of_case, fields) = (built.schedule, built.fields);
-    let work = Work { directory, of_case, fields, curves, arguments: &arguments.work, signals };
+    let work = Work {
+        directory,
+        loaded: &loaded,
+        of_case: built.schedule,
+        fields: built.fields,
+        device: machine,
+        warnings: &built.warnings,
+        arguments: &arguments.work,
+        signals,
+    };
     work.run(simulation)
 }
 

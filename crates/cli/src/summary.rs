@@ -148,7 +148,8 @@ fn energy_error(ledger: &Ledger) -> String {
 
 /// What a run left on the disk, and what to do with it.
 fn files(run: &Path, curves: &[PathBuf]) -> String {
-    let mut text = format!("Files in {}:\n", argument(run));
+    let page = argument(&run.join("report.html"));
+    let mut text = entry("report", format!("{page}; open it in a browser")) + &format!("Files in {}:\n", argument(run));
     let mut file = |name: &str, what: &str| {
         let _ = writeln!(text, "  {name:<31} {what}");
     };
@@ -163,6 +164,9 @@ fn files(run: &Path, curves: &[PathBuf]) -> String {
     file("history.csv", "energies and contacts over time");
     for curve in curves {
         file(&curve.file_name().unwrap_or_default().to_string_lossy(), "a curve of two of its columns");
+    }
+    if run.join("pictures").exists() {
+        file("pictures/", "what it looked like; also in the report");
     }
     file("checkpoints/", "complete states, for `tdem resume` and `tdem picture`");
     text

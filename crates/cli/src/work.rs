@@ -5,6 +5,7 @@ use crate::console::{data, say};
 use crate::machine::Machine;
 use crate::progress::Watch;
 use crate::render::{self, Report, Reports};
+use crate::report;
 use crate::signals::{self, Signals};
 use crate::summary;
 use crate::units::{argument, bytes, counted, grouped, number, short};
@@ -12,10 +13,10 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-use tdem_case::Fields;
+use tdem_case::{Fields, Loaded, Problems};
 use tdem_engine::{Fault, Schedule, Simulation, State, Turns, gpu};
 use tdem_results::curve::{self, Curve};
-use tdem_results::{Error, Outcome, RunDirectory, RunError, load_final_state, session};
+use tdem_results::{Error, Event, Outcome, RunDirectory, RunError, load_final_state, session};
 
 #[derive(Args, Debug)]
 #[group(skip)]
@@ -44,11 +45,14 @@ impl Arguments {
 #[derive(Debug)]
 pub(crate) struct Work<'a> {
     pub(crate) directory: RunDirectory,
+    pub(crate) loaded: &'a Loaded,
     /// What the case asks for.
     pub(crate) of_case: Schedule,
     pub(crate) fields: Fields,
-    /// What is drawn at the end.
-    pub(crate) curves: Vec<Curve>,
+    /// What computes.
+    pub(crate) device: String,
+    /// What the case was warned of.
+    pub(crate) warnings: &'a Problems,
     pub(crate) arguments: &'a Arguments,
     pub(crate) signals: Signals,
 }
@@ -62,6 +66,8 @@ impl Work<'_> {
         let schedule = self.arguments.schedule(self.of_case);
         self.signals.defer();
         self.directory.set_contents(cases::contents(self.fields));
+        self.directory.set_pictures(cases::pictures(&self.loaded.case));
+        self.introduce()?;
         let mut watch = Watch::new(&self.signals, self.arguments.quiet);
         let outcome = session::run(simulation, &mut self.directory, &schedule, &mut watch);
         let took = began.elapsed();
@@ -70,8 +76,15 @@ impl Work<'_> {
             render::warn(&Report::warning("tdem::run::unrelaxed", unrelaxed(&turns)).into());
         }
         let path = self.directory.path().to_owned();
-        let curves =
-            if matches!(outcome, Ok(Outcome::Finished { .. })) { draw(&path, &self.curves) } else { Vec::new() };
+        let finished = matches!(outcome, Ok(Outcome::Finished { .. }));
+        let curves = if finished { draw(&path, &cases::curves(&self.loaded.case)) } else { Vec::new() };
+        let hashed = if finished && self.arguments.hash { Some(load_final_state(&path)?.state) } else { None };
+        if let Some(state) = &hashed {
+            self.directory.log(&Event::Hash { step: state.step, hash: hash(state) })?;
+        }
+        if let Err(error) = report::at_the_end(&path, self.loaded) {
+            render::warn(&Report::warning("tdem::results::report", error.to_string()).into());
+        }
         // The lock is given back before anything else is read.
         drop(self.directory);
         match outcome.map_err(|error| fault_report(error, dt))? {
@@ -94,8 +107,8 @@ impl Work<'_> {
                         ));
                     }
                 }
-                if self.arguments.hash {
-                    print_hash(&load_final_state(&path)?.state)?;
+                if let Some(state) = &hashed {
+                    print_hash(state)?;
                 }
                 Ok(ExitCode::SUCCESS)
             }
@@ -113,6 +126,18 @@ impl Work<'_> {
                 Ok(ExitCode::from(128 + signal))
             }
         }
+    }
+}
+
+impl Work<'_> {
+    /// Tells the log what computes, and what the case was warned of.
+    fn introduce(&self) -> Result<(), Reports> {
+        let machine = format!("tdem {} on {}", env!("CARGO_PKG_VERSION"), self.device);
+        self.directory.log(&Event::Machine(machine))?;
+        for warning in &self.warnings.problems {
+            self.directory.log(&Event::Warning(warning.message.clone()))?;
+        }
+        Ok(())
     }
 }
 
@@ -140,7 +165,11 @@ fn draw(run: &Path, curves: &[Curve]) -> Vec<PathBuf> {
 
 /// The line that `--hash` promises.
 pub(crate) fn print_hash(state: &State) -> Result<(), Reports> {
-    data(format!("hash {:032x}", state.hash()))
+    data(format!("hash {}", hash(state)))
+}
+
+fn hash(state: &State) -> String {
+    format!("{:032x}", state.hash())
 }
 
 fn fault_report(error: RunError, dt: f64) -> Reports {

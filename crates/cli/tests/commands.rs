@@ -60,6 +60,48 @@ fn a_run_can_be_looked_at_and_sent() {
 }
 
 #[test]
+fn a_run_ends_in_a_page_with_pictures() {
+    let room = Room::new();
+    let asked = "\n[[picture]]\nname = \"cut\"\nfield = \"height\"\nview = \"front\"\nsize = [120, 90]\n\
+                 clip = { point = [0.0, 0.1, 0.0], normal = [0.0, -1.0, 0.0] }\n";
+    room.write("case.toml", &common::CASE.replace("frames = 5\n", &format!("frames = 5\npictures = 2\n{asked}")));
+    room.tdem(&["run", "case.toml", "--hash"]).exits(0).complains(&["runs/case/report.html", "pictures/"]);
+    let pictures = |run: &str| {
+        let folder = std::fs::read_dir(room.path(run).join("pictures")).into_iter().flatten();
+        let mut names: Vec<String> =
+            folder.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    let names = pictures("runs/case");
+    assert_eq!(names.len(), 3, "{names:?}");
+    assert!(names.iter().all(|name| name.starts_with("cut-0000")), "{names:?}");
+    let read = || std::fs::read_to_string(room.path("runs/case/report.html")).expect("the page is there");
+    let page = read();
+    for part in
+        ["<strong>finished</strong>", "<h1>Test</h1>", "<dd>GNTM</dd>", "computed by", "CPU", "hash", "t = 0.2 s"]
+    {
+        assert!(page.contains(part), "`{part}` is not in the page");
+    }
+    assert_eq!(page.matches("data:image/png").count(), 3);
+    // A picture that is drawn later is one more of them.
+    room.tdem(&["picture", "runs/case", "--field", "force", "--clip", "0,0.1,0:0,-1,0", "--size", "120x90"]).exits(0);
+    room.tdem(&["picture", "runs/case", "--clip", "0,0.1,0"]).exits(2);
+    let said = room.tdem(&["report", "runs/case"]).exits(0);
+    assert!(said.out.trim().ends_with("report.html"), "{}", said.out);
+    assert_eq!(read().matches("data:image/png").count(), 4);
+    room.tdem(&["report", "nowhere"]).exits(1).complains(&["tdem::results::not-a-run"]);
+    // A case that can no longer be read does not hide what its run left.
+    room.write("runs/case/case.toml", "model = 3");
+    room.tdem(&["report", "runs/case", "--out", "b.html"]).exits(0);
+    let without = std::fs::read_to_string(room.path("b.html")).expect("the page is there");
+    assert!(without.contains("The case cannot be read any more") && without.contains("data:image/png"));
+
+    room.tdem(&["run", "case.toml", "--set", "output.pictures=0", "--out", "bare", "--steps", "20"]).exits(0);
+    assert!(pictures("bare").is_empty() && room.path("bare/report.html").exists());
+}
+
+#[test]
 fn a_run_begins_where_another_ended() {
     let room = Room::new();
     room.tdem(&["run", "case.toml", "--out", "first", "--steps", "300"]).exits(0);

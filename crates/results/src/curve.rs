@@ -52,21 +52,32 @@ const MOST_POINTS: usize = 6000;
 pub fn draw(run: &Path, curve: &Curve) -> Result<PathBuf, Error> {
     let history = run.join(HISTORY);
     let text = fs::read_to_string(&history).context(Action::Read, &history)?;
-    let column = |axis: &Axis| {
-        let no_column = || Error::NoColumn { column: axis.column.clone(), path: history.clone() };
-        column(&text, &axis.column).ok_or_else(no_column)
-    };
     let path = run.join(format!("{PREFIX}{}.{ENDING}", curve.name));
+    let Found { points, titles: [x_title, y_title] } = find(&history, &text, curve)?;
+    let drawn = svg(&thinned(points, MOST_POINTS), &curve.against, [&x_title, &y_title])
+        .map_err(|why| Error::Drawing { curve: curve.name.clone(), why, path: path.clone() })?;
+    atomically(&path, |unfinished| fs::write(unfinished, &drawn).context(Action::Write, &path))?;
+    Ok(path)
+}
+
+/// What a history has for a curve.
+pub(crate) struct Found {
+    /// In the units of the axes.
+    pub(crate) points: Vec<(f64, f64)>,
+    /// Of the horizontal and the vertical axis.
+    pub(crate) titles: [String; 2],
+}
+
+/// Finds a curve in the text of a history; `path` is where that comes from.
+pub(crate) fn find(path: &Path, history: &str, curve: &Curve) -> Result<Found, Error> {
+    let column = |axis: &Axis| {
+        let no_column = || Error::NoColumn { column: axis.column.clone(), path: path.into() };
+        column(history, &axis.column).ok_or_else(no_column)
+    };
     let (x, x_title) = scaled(&curve.x, column(&curve.x)?);
     let (y, y_title) = scaled(&curve.y, column(&curve.y)?);
     let points = x.into_iter().zip(y).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
-    let drawn = svg(&thinned(points), &curve.against, [&x_title, &y_title]).map_err(|why| Error::Drawing {
-        curve: curve.name.clone(),
-        why,
-        path: path.clone(),
-    })?;
-    atomically(&path, |unfinished| fs::write(unfinished, &drawn).context(Action::Write, &path))?;
-    Ok(path)
+    Ok(Found { points, titles: [x_title, y_title] })
 }
 
 /// The numbers of a column; rows that are cut off have none.
@@ -102,17 +113,17 @@ fn scaled(axis: &Axis, column: Vec<f64>) -> (Vec<f64>, String) {
 }
 
 /// The prefix of a unit that leaves the fewest zeros, and its size.
-fn prefix(largest: f64) -> (&'static str, f64) {
+pub(crate) fn prefix(largest: f64) -> (&'static str, f64) {
     let prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("\u{b5}", 1e-6), ("n", 1e-9)];
     prefixes.into_iter().find(|(_, size)| largest >= *size).unwrap_or(("", 1.0))
 }
 
 /// The same curve with fewer points: of each stretch the first point, the lowest and the highest.
-fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    if points.len() <= MOST_POINTS {
+pub(crate) fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
+    if points.len() <= most {
         return points;
     }
-    let stretch = points.len().div_ceil(MOST_POINTS / 3);
+    let stretch = points.len().div_ceil(most / 3);
     let of_stretch = |stretch: &[(f64, f64)]| {
         let by_height = |a: &&usize, b: &&usize| stretch[**a].1.total_cmp(&stretch[**b].1);
         let places: Vec<usize> = (0..stretch.len()).collect();
@@ -127,7 +138,7 @@ fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 }
 
 /// From the lowest to the highest value and a little more.
-fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     let width = high - low;
     let margin = if width > 0.0 { 0.04 * width } else { 0.5 * high.abs().max(1.0) };
@@ -136,7 +147,7 @@ fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
 
 /// A number at a grid line: as many digits as tell it from the next. What is far less than the length of the axis is 0 that
 /// was not met.
-fn label(value: f64, length: f64) -> String {
+pub(crate) fn label(value: f64, length: f64) -> String {
     let value = if value.abs() < 1e-9 * length { 0.0 } else { value };
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     match rounded.abs() {
@@ -268,7 +279,7 @@ mod tests {
     fn a_long_curve_keeps_its_extremes() {
         let points: Vec<(f64, f64)> =
             (0..100_000).map(|k| (f64::from(k), if k == 77_777 { 9.0 } else { f64::from(k % 7) })).collect();
-        let kept = thinned(points.clone());
+        let kept = thinned(points.clone(), MOST_POINTS);
         assert!(kept.len() <= MOST_POINTS + 1 && kept.contains(&(77_777.0, 9.0)));
         assert_eq!((kept[0], kept.last()), (points[0], points.last()));
         assert!(kept.is_sorted_by(|a, b| a.0 <= b.0));

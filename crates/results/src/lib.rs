@@ -8,7 +8,9 @@
 //! * [`pack`] one self-contained file per block
 //! * [`info`] what a folder holds, and the state to begin another run from
 //! * [`curve`] two columns of the history against each other
-//! * [`picture`] spheres as pixels, without a GPU
+//! * [`picture`] spheres as pixels, without a GPU; series of them are drawn while a run goes on
+//! * [`report`] a page about a run, in one file
+//! * [`Event`] what happens to a run, as its log tells it
 //! * [`mean_stress`] of particles, [`Pace`] and [`Rate`] of a run: for whoever watches a simulation without a folder
 
 mod blocks;
@@ -25,6 +27,7 @@ mod log;
 mod pace;
 mod pack;
 pub mod picture;
+pub mod report;
 mod run_directory;
 pub mod session;
 mod tensors;
@@ -36,6 +39,7 @@ pub use checkpoint::Damaged;
 pub use error::{Action, Error};
 pub use history::Row;
 pub use info::{CheckpointInfo, FinalState, FrameInfo, Info, info, load_final_state, newest_step};
+pub use log::Event;
 pub use pace::{Pace, Rate};
 pub use pack::pack;
 pub use run_directory::{Resumed, RunDirectory};

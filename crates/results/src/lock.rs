@@ -41,3 +41,8 @@ impl Lock {
         Ok(Lock { _file: file })
     }
 }
+
+/// Whether a process writes into a run at this moment.
+pub(crate) fn is_taken(run: &Path) -> bool {
+    File::open(run.join(FILE)).is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}

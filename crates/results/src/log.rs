@@ -1,7 +1,9 @@
-//! `log.txt`: what happened to a run and when.
+//! `log.txt`: what happened to a run and when, a line each. Lines are written and read here, so that the report of a run knows
+//! what the log knows.
 
 use crate::error::{Action, Context, Error};
-use std::fs::OpenOptions;
+use std::fmt::{self, Display};
+use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -9,16 +11,138 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Name of the log in a run.
 pub(crate) const FILE: &str = "log.txt";
 
+/// What happens to a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The folder was made.
+    Created,
+    /// A process took it up again at a checkpoint.
+    Resumed {
+        /// Step of the checkpoint.
+        step: u64,
+    },
+    /// A process took it up again that found no checkpoint.
+    BeganAgain,
+    /// What computes it from here on: program and version, device, threads.
+    Machine(String),
+    /// The simulation begins.
+    Begins {
+        /// Step from which it goes on.
+        step: u64,
+        /// Step at which it shall end.
+        steps: u64,
+        /// Number of particles.
+        particles: u64,
+        /// Time step, s.
+        dt: f64,
+    },
+    /// All steps are done.
+    Finished {
+        /// Their number.
+        step: u64,
+        /// How many of them this process did,
+        done: u64,
+        /// and in what time on the clock, s.
+        secs: f64,
+    },
+    /// Somebody asked to stop, and a checkpoint was written.
+    Interrupted {
+        /// Its step.
+        step: u64,
+        /// How many steps this process did,
+        done: u64,
+        /// and in what time on the clock, s.
+        secs: f64,
+    },
+    /// It could not go on.
+    Failed(String),
+    /// Something that should be known.
+    Warning(String),
+    /// The hash of a state.
+    Hash {
+        /// Its step.
+        step: u64,
+        /// 32 hexadecimal digits.
+        hash: String,
+    },
+}
+
+impl Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Event::Created => f.write_str("created"),
+            Event::Resumed { step } => write!(f, "resumed at step {step}"),
+            Event::BeganAgain => f.write_str("resumed before the first checkpoint: begins again"),
+            Event::Machine(machine) => write!(f, "computed by {machine}"),
+            Event::Begins { step, steps, particles, dt } => {
+                write!(f, "goes from step {step} to {steps}: {particles} particles, steps of {dt:e} s")
+            }
+            Event::Finished { step, done, secs } => write!(f, "finished at step {step}: {done} steps in {secs:.3} s"),
+            Event::Interrupted { step, done, secs } => {
+                write!(f, "interrupted at step {step}: {done} steps in {secs:.3} s")
+            }
+            Event::Failed(why) => write!(f, "failed: {}", one_line(why)),
+            Event::Warning(what) => write!(f, "warning: {}", one_line(what)),
+            Event::Hash { step, hash } => write!(f, "hash of step {step}: {hash}"),
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+impl Event {
+    /// Reads what [`Display`] writes; `None` for a line of another version.
+    fn read(text: &str) -> Option<Self> {
+        let words: Vec<&str> = text.split(' ').collect();
+        let count = |word: &str| word.trim_end_matches(':').parse::<u64>().ok();
+        Some(match words.as_slice() {
+            ["created"] => Event::Created,
+            ["resumed", "at", "step", step] => Event::Resumed { step: count(step)? },
+            ["resumed", "before", ..] => Event::BeganAgain,
+            ["computed", "by", ..] => Event::Machine(text.strip_prefix("computed by ")?.to_owned()),
+            ["goes", "from", "step", step, "to", steps, particles, "particles,", "steps", "of", dt, "s"] => {
+                Event::Begins {
+                    step: count(step)?,
+                    steps: count(steps)?,
+                    particles: count(particles)?,
+                    dt: dt.parse().ok()?,
+                }
+            }
+            ["finished", "at", "step", step, done, "steps", "in", secs, "s"] => {
+                Event::Finished { step: count(step)?, done: count(done)?, secs: secs.parse().ok()? }
+            }
+            ["interrupted", "at", "step", step, done, "steps", "in", secs, "s"] => {
+                Event::Interrupted { step: count(step)?, done: count(done)?, secs: secs.parse().ok()? }
+            }
+            ["failed:", ..] => Event::Failed(text.strip_prefix("failed: ")?.to_owned()),
+            ["warning:", ..] => Event::Warning(text.strip_prefix("warning: ")?.to_owned()),
+            ["hash", "of", "step", step, hash] => Event::Hash { step: count(step)?, hash: (*hash).to_owned() },
+            _ => return None,
+        })
+    }
+}
+
 /// Adds a line to the log of a run.
-pub(crate) fn append(run: &Path, message: &str) -> Result<(), Error> {
+pub(crate) fn append(run: &Path, event: &Event) -> Result<(), Error> {
     let path = run.join(FILE);
-    let line = format!("{} {message}\n", timestamp(SystemTime::now()));
+    let line = format!("{} {event}\n", timestamp(SystemTime::now()));
     OpenOptions::new()
         .create(true)
         .append(true)
         .open(&path)
         .and_then(|mut file| file.write_all(line.as_bytes()))
         .context(Action::Write, &path)
+}
+
+/// What the log of a run tells, with the moments; lines that cannot be read are left out, and a log that is not there is empty.
+pub(crate) fn read(run: &Path) -> Vec<(String, Event)> {
+    // The last line may be cut off in the middle of a letter.
+    let text = fs::read(run.join(FILE)).unwrap_or_default();
+    let events = String::from_utf8_lossy(&text);
+    let line = |line: &str| line.split_once(' ').and_then(|(when, text)| Some((when.to_owned(), Event::read(text)?)));
+    events.lines().filter_map(line).collect()
 }
 
 /// A moment as `2026-01-31T23:59:59Z`.
@@ -49,6 +173,37 @@ fn date(days: u64) -> (u64, u64, u64) {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let events = [
+            Event::Created,
+            Event::Machine("tdem 0.1.0 on some CPU, 2 threads".into()),
+            Event::Begins { step: 0, steps: 1000, particles: 8000, dt: 5.5e-5 },
+            Event::Warning("the step is long".into()),
+            Event::Interrupted { step: 10, done: 10, secs: 0.25 },
+            Event::Resumed { step: 10 },
+            Event::BeganAgain,
+            Event::Failed("the disk is full: a/b".into()),
+            Event::Finished { step: 1000, done: 990, secs: 12.5 },
+            Event::Hash { step: 1000, hash: "00ff".into() },
+        ];
+        for event in &events {
+            append(folder.path(), event).expect("it can be written");
+        }
+        let path = folder.path().join(FILE);
+        let text = fs::read_to_string(&path).expect("it can be read");
+        fs::write(&path, text + "2026-01-01T00:00:00Z a line of another version\n2026-01-0")
+            .expect("it can be written");
+        let read: Vec<Event> = read(folder.path()).into_iter().map(|(_, event)| event).collect();
+        assert_eq!(read, events);
+    }
+
+    #[test]
+    fn an_event_is_one_line() {
+        assert_eq!(Event::Failed("a\n  b".into()).to_string(), "failed: a b");
+    }
 
     #[test]
     fn dates_follow_the_calendar() {

@@ -11,9 +11,11 @@ use crate::error::{Action, Context, Error};
 use crate::files;
 use crate::history::{History, Row};
 use crate::lock::{self, Lock};
-use crate::log;
+use crate::log::{self, Event};
+use crate::picture::{self, Series};
 use crate::vtkhdf::frame::Frame;
 use crate::vtkhdf::master::{self, Numbers};
+use crate::writer::Wanted;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -24,7 +26,7 @@ pub(crate) const HISTORY: &str = "history.csv";
 pub(crate) const FRAMES: &str = "frames";
 pub(crate) const CHECKPOINTS: &str = "checkpoints";
 pub(crate) const PICTURES: &str = "pictures";
-const REPORT: &str = "report.html";
+pub(crate) const REPORT: &str = "report.html";
 const FRAME_ENDING: &str = "vtkhdf";
 
 /// A master takes about 0.1 s at 600 frames, so it is not rewritten for every frame.
@@ -35,6 +37,7 @@ const MASTER_INTERVAL: Duration = Duration::from_secs(4);
 pub struct RunDirectory {
     path: PathBuf,
     contents: Contents,
+    series: Vec<Series>,
     frames: Vec<Frame>,
     next_frame: u64,
     history: History,
@@ -98,7 +101,7 @@ impl RunDirectory {
             fs::create_dir_all(&folder).context(Action::CreateFolder, &folder)?;
         }
         let history = History::create(&path.join(HISTORY))?;
-        log::append(path, "created")?;
+        log::append(path, &Event::Created)?;
         Ok(RunDirectory::assemble(path, Stored::default(), history, None, lock))
     }
 
@@ -116,7 +119,7 @@ impl RunDirectory {
         for folder in [&frames, &checkpoints] {
             fs::create_dir_all(folder).context(Action::CreateFolder, folder)?;
         }
-        for folder in [path, &frames, &checkpoints] {
+        for folder in [path, &frames, &checkpoints, &path.join(PICTURES)] {
             files::remove_unfinished(folder)?;
         }
 
@@ -130,21 +133,18 @@ impl RunDirectory {
             _ => History::create(&path.join(HISTORY))?,
         };
         let mut frames = keep_frames(path, step)?;
+        picture::keep(path, step)?;
         // A damaged checkpoint stays for whoever wants to look at it, under a name that no run goes on from.
         for Damaged { path, .. } in &damaged {
             let aside = path.with_extension("damaged");
             fs::rename(path, &aside).context(Action::Rename, path)?;
         }
-        match step {
-            Some(step) => log::append(path, &format!("resumed at step {step}"))?,
-            None => log::append(path, "resumed before the first checkpoint: begins again")?,
-        }
+        log::append(path, &step.map_or(Event::BeganAgain, |step| Event::Resumed { step }))?;
         for damaged in &damaged {
-            log::append(path, &damaged.to_string())?;
+            log::append(path, &Event::Warning(damaged.to_string()))?;
         }
-
         for unreadable in &frames.unreadable {
-            log::append(path, &unreadable.to_string())?;
+            log::append(path, &Event::Warning(unreadable.to_string()))?;
         }
 
         let unreadable_frames = std::mem::take(&mut frames.unreadable);
@@ -158,6 +158,7 @@ impl RunDirectory {
         RunDirectory {
             path: path.into(),
             contents: Contents::default(),
+            series: Vec::new(),
             next_frame: stored.next,
             frames: stored.frames,
             history,
@@ -187,6 +188,11 @@ impl RunDirectory {
     /// Decides what frames hold from now on.
     pub fn set_contents(&mut self, contents: Contents) {
         self.contents = contents;
+    }
+
+    /// Decides which pictures are drawn from now on.
+    pub fn set_pictures(&mut self, series: Vec<Series>) {
+        self.series = series;
     }
 
     /// Step of the newest checkpoint that is whole.
@@ -253,10 +259,19 @@ impl RunDirectory {
         match checkpoint::read(&oldest) {
             Ok(first) => Ok(Origin::Known(Start::of(&first, plan))),
             Err(damage) => {
-                self.log(&format!("displacements are not known any more, {}", Damaged { damage, path: oldest }))?;
+                let damaged = Damaged { damage, path: oldest };
+                self.log(&Event::Warning(format!("displacements are not known any more, {damaged}")))?;
                 Ok(Origin::Lost)
             }
         }
+    }
+
+    /// Draws all series of pictures. What is there already is drawn again, to the same bytes.
+    ///
+    /// # Errors
+    /// Whatever the file system says; older pictures are then still there.
+    pub fn pictures(&mut self, state: &State, plan: &Plan) -> Result<(), Error> {
+        self.series.iter().try_for_each(|series| series.write(&self.path, state, plan).map(drop))
     }
 
     /// Adds a row to the history. A step that has its row already gets no other.
@@ -267,9 +282,14 @@ impl RunDirectory {
         if self.last_row().is_some_and(|last| last >= row.step) { Ok(()) } else { self.history.append(row) }
     }
 
-    /// Removes the last frame and the last row if they are of this step: the end of a run gets both, also where the
-    /// schedule asks for none, and a run that goes on must look as if it had never ended.
-    pub(crate) fn forget_end(&mut self, step: u64, frame: bool, row: bool) -> Result<(), Error> {
+    /// Removes the last frame, the last row and the last pictures if they are of this step: the end of a run gets them, also
+    /// where the schedule asks for none, and a run that goes on must look as if it had never ended.
+    pub(crate) fn forget_end(&mut self, step: u64, Wanted { frame, row, pictures, .. }: Wanted) -> Result<(), Error> {
+        if pictures {
+            for series in &self.series {
+                files::remove(&picture::file_of(&self.path, &series.name, step))?;
+            }
+        }
         if frame && self.last_frame() == Some(step) {
             // Masters first: they must never name a frame that is not there.
             let last = self.frames.pop();
@@ -306,8 +326,8 @@ impl RunDirectory {
     ///
     /// # Errors
     /// Whatever the file system says.
-    pub fn log(&self, message: &str) -> Result<(), Error> {
-        log::append(&self.path, message)
+    pub fn log(&self, event: &Event) -> Result<(), Error> {
+        log::append(&self.path, event)
     }
 }
 

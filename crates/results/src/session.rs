@@ -5,6 +5,7 @@
 //! was taken before is written first.
 
 use crate::error::Error;
+use crate::log::Event;
 use crate::pace::{Pace, Rate};
 use crate::run_directory::RunDirectory;
 use crate::writer::{Failure, LIMIT, Report, Sink, Wanted, Writer};
@@ -126,7 +127,7 @@ pub fn run(
         };
         // Whether or not the masters and the log can be written, the first error is what must be told.
         let _ = directory.publish();
-        let _ = directory.log(&error.to_string());
+        let _ = directory.log(&Event::Failed(error.to_string()));
         error
     })
 }
@@ -139,23 +140,28 @@ fn run_into(
 ) -> Result<Outcome, Failure> {
     let step = simulation.step();
     if step < schedule.steps {
-        let (frame, row) = (!falls_on(step, schedule.frame_every), !falls_on(step, schedule.history_every));
-        directory.forget_end(step, frame, row)?;
+        let due = due(step, schedule);
+        let superfluous = Wanted { frame: !due.frame, row: !due.row, pictures: !due.pictures, checkpoint: false };
+        directory.forget_end(step, superfluous)?;
     }
+    let (particles, dt) = (simulation.particles() as u64, simulation.plan().dt);
+    directory.log(&Event::Begins { step, steps: schedule.steps, particles, dt })?;
+    let began = Instant::now();
     let last_checkpoint = directory.last_checkpoint();
     let mut witness = Witness { observer, turns: None };
     let outcome = carry_on(simulation, directory, last_checkpoint, schedule, &mut witness)?;
     directory.publish()?;
     if let Some(turns) = witness.turns.filter(|turns| turns.unrelaxed > 0) {
-        directory.log(&format!(
+        directory.log(&Event::Warning(format!(
             "particles were not at rest behind {} steps of the heat, the last of them step {}; the ratio of forces was up \
              to {:.3e}",
             turns.unrelaxed, turns.last_unrelaxed, turns.largest_ratio
-        ))?;
+        )))?;
     }
+    let secs = began.elapsed().as_secs_f64();
     directory.log(&match outcome {
-        Outcome::Finished { step } => format!("finished at step {step}"),
-        Outcome::Interrupted { step } => format!("interrupted at step {step}"),
+        Outcome::Finished { step: end } => Event::Finished { step: end, done: end.saturating_sub(step), secs },
+        Outcome::Interrupted { step: end } => Event::Interrupted { step: end, done: end.saturating_sub(step), secs },
     })?;
     Ok(outcome)
 }
@@ -243,10 +249,9 @@ impl<'a, 'scope> Session<'a, 'scope> {
             observer,
         };
         let wanted = Wanted {
-            frame: falls_on(step, schedule.frame_every),
-            row: falls_on(step, schedule.history_every),
             // A run that was just created has none, and displacements count from the first.
             checkpoint: last_checkpoint.is_none(),
+            ..due(step, schedule)
         };
         if wanted.written() {
             session.hand_over(state.into(), now.elapsed(), wanted);
@@ -283,8 +288,8 @@ impl<'a, 'scope> Session<'a, 'scope> {
     /// The next step at which something is due.
     fn next_stop(&self) -> u64 {
         let step = self.simulation.step();
-        let Schedule { steps, frame_every, history_every, checkpoint_every, .. } = self.schedule;
-        [frame_every, history_every, checkpoint_every.unwrap_or(0)]
+        let Schedule { steps, frame_every, history_every, picture_every, checkpoint_every, .. } = self.schedule;
+        [frame_every, history_every, picture_every, checkpoint_every.unwrap_or(0)]
             .into_iter()
             .filter(|&every| every > 0)
             .map(|every| (step / every).saturating_add(1).saturating_mul(every))
@@ -296,9 +301,11 @@ impl<'a, 'scope> Session<'a, 'scope> {
         let step = self.simulation.step();
         let end = step == self.schedule.steps;
         let interval = self.schedule.checkpoint_interval_secs;
+        let due = due(step, &self.schedule);
         let wanted = Wanted {
-            frame: falls_on(step, self.schedule.frame_every) || (end && self.schedule.frame_every > 0),
-            row: falls_on(step, self.schedule.history_every) || (end && self.schedule.history_every > 0),
+            frame: due.frame || (end && self.schedule.frame_every > 0),
+            row: due.row || (end && self.schedule.history_every > 0),
+            pictures: due.pictures || (end && self.schedule.picture_every > 0),
             checkpoint: end
                 || self.schedule.checkpoint_every.is_some_and(|every| falls_on(step, every))
                 || self.checkpoint_written.is_some_and(|written| written.elapsed().as_secs_f64() >= interval),
@@ -402,6 +409,16 @@ impl<'a, 'scope> Session<'a, 'scope> {
         }
         self.settle()?;
         Ok(Outcome::Interrupted { step })
+    }
+}
+
+/// What a schedule asks for at a step, wherever a run ends.
+fn due(step: u64, schedule: &Schedule) -> Wanted {
+    Wanted {
+        frame: falls_on(step, schedule.frame_every),
+        row: falls_on(step, schedule.history_every),
+        pictures: falls_on(step, schedule.picture_every),
+        checkpoint: false,
     }
 }
 

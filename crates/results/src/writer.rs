@@ -22,6 +22,8 @@ pub(crate) trait Sink: Send {
     fn row(&mut self, row: &Row) -> Result<(), Error>;
     /// Writes a frame.
     fn frame(&mut self, state: &State, plan: &Plan) -> Result<(), Error>;
+    /// Draws pictures.
+    fn pictures(&mut self, state: &State, plan: &Plan) -> Result<(), Error>;
     /// Writes a checkpoint.
     fn checkpoint(&mut self, state: &State) -> Result<(), Error>;
     /// Whether there is a checkpoint.
@@ -37,6 +39,9 @@ impl Sink for RunDirectory {
     fn frame(&mut self, state: &State, plan: &Plan) -> Result<(), Error> {
         self.frame(state, plan)
     }
+    fn pictures(&mut self, state: &State, plan: &Plan) -> Result<(), Error> {
+        self.pictures(state, plan)
+    }
     fn checkpoint(&mut self, state: &State) -> Result<(), Error> {
         self.checkpoint(state)
     }
@@ -50,15 +55,17 @@ impl Sink for RunDirectory {
 
 /// What shall become of a moment. A ledger is drawn up for a row, and if nothing else is wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "each says whether one kind of file is written, in any combination")]
 pub(crate) struct Wanted {
     pub(crate) row: bool,
     pub(crate) frame: bool,
+    pub(crate) pictures: bool,
     pub(crate) checkpoint: bool,
 }
 
 impl Wanted {
     /// A ledger for the eye.
-    pub(crate) const LEDGER: Wanted = Wanted { row: false, frame: false, checkpoint: false };
+    pub(crate) const LEDGER: Wanted = Wanted { row: false, frame: false, pictures: false, checkpoint: false };
 
     /// Whether something shall be written.
     pub(crate) fn written(self) -> bool {
@@ -226,6 +233,9 @@ impl Desk<'_> {
         if wanted.frame {
             self.sink.frame(&state, self.plan)?;
             self.tell(Report::Note(Note::Frame { step }));
+        }
+        if wanted.pictures {
+            self.sink.pictures(&state, self.plan)?;
         }
         if wanted.checkpoint && !first {
             self.checkpoint(&state)?;

@@ -18,7 +18,14 @@ const KILLS: u32 = 25;
 
 /// Writes as densely as it can, so that a random moment is likely to be in the middle of a file.
 fn schedule() -> Schedule {
-    Schedule { steps: STEPS, frame_every: 20, history_every: 1, checkpoint_every: Some(7), ..Schedule::default() }
+    Schedule {
+        steps: STEPS,
+        frame_every: 20,
+        history_every: 1,
+        picture_every: 30,
+        checkpoint_every: Some(7),
+        ..Schedule::default()
+    }
 }
 
 /// What a killed process does: begins a run or goes on with it. Without the variable it is no test of its own.
@@ -32,6 +39,7 @@ fn child() {
         Err(error) => panic!("{error}"),
     };
     directory.set_contents(common::contents());
+    directory.set_pictures(common::pictures());
     let simulation = common::simulation(state.unwrap_or_else(common::state));
     tdem_results::session::run(simulation, &mut directory, &schedule(), &mut common::Watcher::default()).unwrap();
 }
@@ -88,6 +96,7 @@ fn killed_at_random_moments_a_run_can_be_read_and_goes_on() {
             Err(_) => (RunDirectory::create(path, "# a test\n", false).unwrap(), common::state()),
         };
         directory.set_contents(common::contents());
+        directory.set_pictures(common::pictures());
         let schedule = Schedule { steps: end, ..schedule() };
         let simulation = common::simulation(state);
         tdem_results::session::run(simulation, &mut directory, &schedule, &mut common::Watcher::default()).unwrap();
@@ -99,7 +108,7 @@ fn killed_at_random_moments_a_run_can_be_read_and_goes_on() {
 }
 
 fn has_unfinished(run: &Path) -> bool {
-    ["", "frames", "checkpoints"].iter().any(|folder| {
+    ["", "frames", "checkpoints", "pictures"].iter().any(|folder| {
         let entries = std::fs::read_dir(run.join(folder)).into_iter().flatten().flatten();
         entries.into_iter().any(|entry| entry.path().extension().is_some_and(|ending| ending == "tmp"))
     })

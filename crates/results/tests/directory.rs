@@ -143,6 +143,7 @@ fn a_full_disk_ends_the_run_but_costs_nothing_that_was_written() {
         run_new(straight.path(), 400);
         let mut directory = RunDirectory::create(folder.path(), "", false).unwrap();
         directory.set_contents(common::contents());
+        directory.set_pictures(common::pictures());
         let victim = folder.path().join(victim);
         fill_disk(&victim);
         let simulation = common::simulation(common::state());

@@ -7,7 +7,7 @@ mod common;
 use tdem_engine::physics::bond::Failure;
 use tdem_engine::{Breakage, State};
 use tdem_results::Error;
-use tdem_results::picture::{Colour, Options, Subject, render};
+use tdem_results::picture::{Clip, Colour, Options, Subject, render};
 
 fn pixels(state: &State, options: &Options) -> (u32, Vec<[u8; 3]>) {
     let bytes = render(state, &common::plan(), options).unwrap();
@@ -38,7 +38,9 @@ const FROM_THE_FRONT: Options = Options {
     subject: Subject::Particles,
     colour: Colour::Speed,
     range: None,
+    clip: None,
     walls: false,
+    bar: false,
     smooth: false,
 };
 
@@ -91,6 +93,46 @@ fn colours_tell_damage_and_stress() {
     let options = Options { colour: Colour::Damage, subject: Subject::Domain, ..FROM_THE_FRONT };
     let bytes = render(&state, &plan, &options).unwrap();
     assert!(bytes != render(&state, &plan, &Options { colour: Colour::Stress, ..options }).unwrap());
+}
+
+#[test]
+fn a_plane_cuts_away_what_hides() {
+    let state = two_in_line();
+    let middle = 30 * 81 + 40;
+    let red_of = |clip| {
+        let (_, pixels) = pixels(&state, &Options { clip, ..FROM_THE_FRONT });
+        pixels[middle]
+    };
+    let [red, _, blue] = red_of(None);
+    assert!(blue > red, "the slow one is in front");
+    let beyond = |normal| Some(Clip { point: [0.0, 0.25, 0.0], normal });
+    let [red, _, blue] = red_of(beyond([0.0, -2.0, 0.0]));
+    assert!(red > blue, "without it the fast one is seen");
+    assert_eq!(red_of(beyond([0.0, 1.0, 0.0])), red_of(None), "what lies behind may go");
+    assert!(Clip { point: [0.0; 3], normal: [1.0, 0.0, 0.0] }.keeps([0.0, 5.0, 5.0]), "the plane itself stays");
+}
+
+#[test]
+fn a_bar_stands_beside_the_picture_and_the_file_tells_what_it_shows() {
+    let options = Options { width: 400, height: 300, range: Some([0.0, 2.0]), ..FROM_THE_FRONT };
+    let (_, plain) = pixels(&two_in_line(), &options);
+    let (width, with) = pixels(&two_in_line(), &Options { bar: true, ..options });
+    assert_eq!(width, 400, "it takes its room from the picture");
+    let inked = |pixels: &[[u8; 3]]| pixels.chunks(400).flat_map(|row| &row[330..]).filter(|p| **p != [255; 3]).count();
+    assert!(inked(&with) > inked(&plain) + 1000);
+    let bytes = render(&two_in_line(), &common::plan(), &options).expect("it can be drawn");
+    let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("it is a PNG file");
+    let told: Vec<(&str, &str)> =
+        reader.info().uncompressed_latin1_text.iter().map(|chunk| (&*chunk.keyword, &*chunk.text)).collect();
+    assert_eq!(told, [("step", "0"), ("time", "0"), ("field", "velocity"), ("low", "0"), ("high", "2")]);
+}
+
+#[test]
+fn ranges_begin_where_nothing_is() {
+    assert_eq!(Colour::Damage.range_of(&[0.0, 0.0]), [0.0, 1.0]);
+    assert_eq!(Colour::Damage.range_of(&[0.1, 0.5]), [0.0, 0.5]);
+    assert_eq!(Colour::Material.range_of(&[1.0, 2.0]), [0.0, 2.0]);
+    assert_eq!(Colour::Temperature.range_of(&[f64::NAN, 300.0, 400.0]), [300.0, 400.0]);
 }
 
 #[test]

@@ -28,6 +28,9 @@ fn a_run_leaves_frames_rows_and_checkpoints_on_schedule() {
     let checkpoints: Vec<u64> = info.checkpoints.iter().map(|checkpoint| checkpoint.step).collect();
     assert_eq!(checkpoints, [0, 350, 410], "the first and the last two");
     let names: Vec<String> = results(folder.path()).into_keys().collect();
+    let pictures: Vec<&str> = names.iter().filter_map(|name| name.strip_prefix("pictures/speed-")).collect();
+    let expected = [0, 120, 240, 360, 410].map(|step: u64| format!("{step:012}.png"));
+    assert_eq!(pictures, expected, "the first, those on schedule, and the last");
     assert!(names.contains(&"walls.vtkhdf".into()) && names.contains(&"frames/000009.vtkhdf".into()));
     assert!(fs::read_to_string(folder.path().join("log.txt")).unwrap().contains("finished at step 410"));
 }
@@ -38,6 +41,7 @@ fn the_files_are_those_of_writing_one_after_the_other() {
     run_new(session.path(), 400);
     let mut directory = RunDirectory::create(plain.path(), "# a test\n", false).unwrap();
     directory.set_contents(common::contents());
+    directory.set_pictures(common::pictures());
     let mut simulation = simulation(state());
     let plan = simulation.plan().clone();
     directory.checkpoint(&simulation.state().unwrap()).unwrap();
@@ -46,6 +50,9 @@ fn the_files_are_those_of_writing_one_after_the_other() {
         directory.row(&Row::of(&state, &plan, Ledger::of(&state, &plan))).unwrap();
         if step % 50 == 0 {
             directory.frame(&state, &plan).unwrap();
+        }
+        if step % 120 == 0 || step == 400 {
+            directory.pictures(&state, &plan).unwrap();
         }
         if step > 0 && (step % 70 == 0 || step == 400) {
             directory.checkpoint(&state).unwrap();
@@ -70,6 +77,7 @@ fn a_run_that_was_interrupted_and_resumed_is_the_same_to_the_last_byte() {
     run_new(straight.path(), 400);
     let mut directory = RunDirectory::create(broken.path(), "", false).unwrap();
     directory.set_contents(common::contents());
+    directory.set_pictures(common::pictures());
     let mut watcher = Stopper { after: 23 };
     let outcome = run(simulation(state()), &mut directory, &schedule(400), &mut watcher).unwrap();
     drop(directory);

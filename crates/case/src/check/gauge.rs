@@ -107,7 +107,7 @@ impl Checker<'_> {
     }
 
     /// What becomes part of a column or of a file must not need quotes anywhere.
-    fn file_name(&mut self, name: &str, place: Range<usize>) {
+    pub(super) fn file_name(&mut self, name: &str, place: Range<usize>) {
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
             self.push(
                 Problem::error("tdem::case::name", format!("\"{name}\" cannot be part of a column or a file name"))

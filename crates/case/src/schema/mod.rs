@@ -8,6 +8,7 @@ mod course;
 mod gauge;
 mod heat;
 mod particles;
+mod picture;
 mod property;
 mod quantity;
 mod shape;
@@ -23,6 +24,7 @@ pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     RunBonds, SizeDistribution, SizeRange,
 };
+pub use picture::{Clip, Field, Picture, View};
 pub use property::{MeasuredProperty, Property};
 pub(crate) use quantity::non_negative;
 pub use quantity::{
@@ -103,6 +105,10 @@ pub struct Case {
     /// Curves that are drawn at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curve: Vec<Curve>,
+    /// Pictures that are drawn as the run goes on. Without any there are small ones of temperature, damage or velocity, as the
+    /// model has them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub picture: Vec<Picture>,
     /// How neighbours are found; changes the speed, never the result.
     #[serde(default)]
     pub search: Search,
@@ -455,6 +461,10 @@ pub struct Output {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "s"))]
     pub interval: Option<Positive>,
+    /// Number of pictures of each kind after the first; 0 draws none. If left out it is 4, or 0 where `frames` is 0 and there is
+    /// no `[[picture]]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pictures: Option<u32>,
     /// Simulated time between rows of the history, s; a thousandth of the run if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "s"))]
@@ -485,6 +495,7 @@ impl Default for Output {
         Output {
             frames: None,
             interval: None,
+            pictures: None,
             history_interval: None,
             checkpoint_interval: None,
             checkpoint_interval_secs: positive(300.0),

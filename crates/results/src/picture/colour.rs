@@ -30,6 +30,49 @@ pub enum Colour {
 pub type Shade = f32;
 
 impl Colour {
+    /// All of them.
+    pub const ALL: [Colour; 9] = [
+        Colour::Speed,
+        Colour::Spin,
+        Colour::Height,
+        Colour::Radius,
+        Colour::Force,
+        Colour::Material,
+        Colour::Stress,
+        Colour::Damage,
+        Colour::Temperature,
+    ];
+
+    /// What it is called in case files, on the command line, and beside the bar of colours.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Colour::Speed => "velocity",
+            Colour::Spin => "angular-velocity",
+            Colour::Height => "height",
+            Colour::Radius => "radius",
+            Colour::Force => "force",
+            Colour::Material => "material",
+            Colour::Stress => "stress",
+            Colour::Damage => "damage",
+            Colour::Temperature => "temperature",
+        }
+    }
+
+    /// Unit of its values; empty for a pure number.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Colour::Speed => "m/s",
+            Colour::Spin => "rad/s",
+            Colour::Height | Colour::Radius => "m",
+            Colour::Force => "N",
+            Colour::Stress => "Pa",
+            Colour::Temperature => "K",
+            Colour::Material | Colour::Damage => "",
+        }
+    }
+
     /// The values themselves, `(N)`, SI.
     #[must_use]
     pub fn values(self, state: &State, plan: &Plan) -> Vec<f64> {
@@ -49,17 +92,25 @@ impl Colour {
         }
     }
 
-    /// Values as shares of a range, of their own if none is given.
+    /// From the smallest to the largest of its values. Damage and
+    /// materials begin at 0, so that dark is none of it, and the first of them, in every picture.
     #[must_use]
-    pub fn shades(self, state: &State, plan: &Plan, range: Option<[f64; 2]>) -> Vec<Shade> {
-        let values = self.values(state, plan);
-        let [low, high] = range.unwrap_or_else(|| {
-            let finite = || values.iter().copied().filter(|value| value.is_finite());
-            [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)]
-        });
-        let span = if high > low { high - low } else { 1.0 };
-        values.iter().map(|value| (((value - low) / span) as Shade).clamp(0.0, 1.0)).collect()
+    pub fn range_of(self, values: &[f64]) -> [f64; 2] {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let largest = finite().fold(f64::NEG_INFINITY, f64::max);
+        match self {
+            Colour::Damage if largest > 0.0 => [0.0, largest],
+            Colour::Damage => [0.0, 1.0],
+            Colour::Material => [0.0, largest.max(0.0)],
+            _ => [finite().fold(f64::INFINITY, f64::min), largest],
+        }
     }
+}
+
+/// Values as shares of a range.
+pub(super) fn shades(values: &[f64], [low, high]: [f64; 2]) -> Vec<Shade> {
+    let span = if high > low { high - low } else { 1.0 };
+    values.iter().map(|value| (((value - low) / span) as Shade).clamp(0.0, 1.0)).collect()
 }
 
 /// Dark blue, teal, green, yellow: ascending in brightness, so that it also reads in grey and for the colour-blind.

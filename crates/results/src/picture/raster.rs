@@ -90,7 +90,7 @@ impl Canvas {
         };
         let columns = self.columns / scale;
         let row = |row: usize| (0..columns * 3).map(move |place| mean(row, place / 3, place % 3));
-        (0..self.rows / scale).flat_map(row).collect()
+        (0..self.rows / scale).into_par_iter().flat_map_iter(row).collect()
     }
 }
 

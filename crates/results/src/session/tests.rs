@@ -89,6 +89,10 @@ impl Sink for Notebook {
         self.add(format!("frame {}", state.step));
         Ok(())
     }
+    fn pictures(&mut self, state: &State, _: &Plan) -> Result<(), Error> {
+        self.add(format!("pictures {}", state.step));
+        Ok(())
+    }
     fn checkpoint(&mut self, state: &State) -> Result<(), Error> {
         self.checkpoints += 1;
         self.add(format!("checkpoint {}", state.step));
@@ -129,6 +133,7 @@ const ENDLESS: Schedule = Schedule {
     steps: u64::MAX,
     frame_every: 0,
     history_every: 0,
+    picture_every: 0,
     checkpoint_every: None,
     checkpoint_interval_secs: f64::INFINITY,
 };

@@ -11,6 +11,7 @@ use tdem_engine::physics::contact::{Friction, Interaction, Law};
 use tdem_engine::{
     Bond, BondPlan, BondTables, Constraint, Domain, Integrator, Plan, Schedule, Search, Simulation, State, Wall, cpu,
 };
+use tdem_results::picture::{Clip, Colour, Options, Series};
 use tdem_results::{Control, Note, Observer, Progress, RunDirectory};
 
 pub(crate) const RADIUS: f64 = 0.05;
@@ -86,7 +87,14 @@ pub(crate) fn simulation(state: State) -> Simulation {
 }
 
 pub(crate) fn schedule(steps: u64) -> Schedule {
-    Schedule { steps, frame_every: 50, history_every: 10, checkpoint_every: Some(70), ..Schedule::default() }
+    Schedule {
+        steps,
+        frame_every: 50,
+        history_every: 10,
+        picture_every: 120,
+        checkpoint_every: Some(70),
+        ..Schedule::default()
+    }
 }
 
 /// Stops at a step, or never.
@@ -164,6 +172,7 @@ pub(crate) fn bonded() -> (State, Plan) {
 pub(crate) fn run_new(path: &Path, steps: u64) {
     let mut directory = RunDirectory::create(path, "# a test\n", false).unwrap();
     directory.set_contents(contents());
+    directory.set_pictures(pictures());
     tdem_results::session::run(simulation(state()), &mut directory, &schedule(steps), &mut Watcher::default()).unwrap();
 }
 
@@ -172,6 +181,7 @@ pub(crate) fn run_on(path: &Path, steps: u64) {
     let resumed = RunDirectory::open(path).unwrap();
     let mut directory = resumed.directory;
     directory.set_contents(contents());
+    directory.set_pictures(pictures());
     let simulation = simulation(resumed.state.unwrap_or_else(state));
     tdem_results::session::run(simulation, &mut directory, &schedule(steps), &mut Watcher::default()).unwrap();
 }
@@ -180,11 +190,21 @@ pub(crate) fn contents() -> tdem_results::Contents {
     tdem_results::Contents { contacts: true, ..tdem_results::Contents::default() }
 }
 
+/// Two small series of pictures.
+pub(crate) fn pictures() -> Vec<Series> {
+    let options = Options { width: 48, height: 36, ..Options::default() };
+    let cut = Some(Clip { point: [0.3, 0.2, 0.0], normal: [0.0, -1.0, 0.0] });
+    vec![
+        Series { name: "speed".into(), options },
+        Series { name: "cut".into(), options: Options { clip: cut, colour: Colour::Height, ..options } },
+    ]
+}
+
 /// All files that must not depend on interruptions, by name.
 pub(crate) fn results(run: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
-    for (folder, ending) in [("", "vtkhdf"), ("", "csv"), ("frames", "vtkhdf")] {
-        for entry in fs::read_dir(run.join(folder)).unwrap() {
+    for (folder, ending) in [("", "vtkhdf"), ("", "csv"), ("frames", "vtkhdf"), ("pictures", "png")] {
+        for entry in fs::read_dir(run.join(folder)).into_iter().flatten() {
             let path = entry.unwrap().path();
             if path.extension().is_some_and(|found| found == ending) {
                 files.insert(path.strip_prefix(run).unwrap().display().to_string(), fs::read(&path).unwrap());

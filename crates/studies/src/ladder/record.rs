@@ -6,7 +6,7 @@ use super::{Halt, Rung};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tdem_engine::State;
-use tdem_results::{Action, Error, Resumed, RunDirectory, columns, newest_step};
+use tdem_results::{Action, Error, Event, Resumed, RunDirectory, columns, newest_step};
 
 const CASE: &str = "case.toml";
 const INSTANTS: &str = "instants";
@@ -144,9 +144,9 @@ impl Record {
         self.directory.checkpoint(state)
     }
 
-    /// Adds a line to the log.
-    pub(super) fn log(&self, message: &str) -> Result<(), Error> {
-        self.directory.log(message)
+    /// Tells the log why the rung could not go on.
+    pub(super) fn log(&self, why: &str) -> Result<(), Error> {
+        self.directory.log(&Event::Failed(why.to_owned()))
     }
 
     fn clock(&self) -> PathBuf {

@@ -1,0 +1,117 @@
+//! Words and pictures as a page can hold them.
+
+use std::fmt::Write;
+
+/// A text with everything marked that HTML would read as its own, also within attributes.
+pub(super) fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => safe += "&amp;",
+            '<' => safe += "&lt;",
+            '>' => safe += "&gt;",
+            '"' => safe += "&quot;",
+            '\'' => safe += "&#39;",
+            _ => safe.push(letter),
+        }
+    }
+    safe
+}
+
+/// A text as a string of JSON that may stand within a `script` element.
+pub(super) fn json(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' => quoted += "\\\"",
+            '\\' => quoted += "\\\\",
+            // An end tag, a comment, or a control character would end the element or the string.
+            '<' | '>' | '&' | '\u{0}'..='\u{1f}' => {
+                // A string takes whatever is written to it.
+                let _ = write!(quoted, "\\u{:04x}", u32::from(letter));
+            }
+            _ => quoted.push(letter),
+        }
+    }
+    quoted + "\""
+}
+
+/// Bytes as text, RFC 4648.
+pub(super) fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let bits = (0..3).fold(0_u32, |bits, k| bits << 8 | u32::from(group.get(k).copied().unwrap_or(0)));
+        for digit in 0..4 {
+            let value = bits >> (18 - 6 * digit) & 63;
+            text.push(if digit <= group.len() { char::from(DIGITS[value as usize]) } else { '=' });
+        }
+    }
+    text
+}
+
+/// A number with at most so many digits, a power of ten only where it is hard to read without.
+pub(super) fn number(value: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".to_owned(),
+        1e-3..1e6 => format!("{rounded}"),
+        _ => format!("{rounded:e}"),
+    }
+}
+
+/// A whole number with its thousands set apart.
+pub(super) fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// An amount of storage.
+pub(super) fn bytes(amount: u64) -> String {
+    let amount = amount as f64;
+    match [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")].iter().find(|(size, _)| amount >= *size) {
+        Some((size, unit)) => format!("{} {unit}", number(amount / size, 3)),
+        None => format!("{amount} B"),
+    }
+}
+
+/// A time on the clock, s.
+pub(super) fn clock(secs: f64) -> String {
+    let whole = secs.round() as u64;
+    match whole {
+        0..10 => format!("{} s", number(secs, 2)),
+        10..120 => format!("{whole} s"),
+        120..7200 => format!("{} min {} s", whole / 60, whole % 60),
+        _ => format!("{} h {} min", grouped(whole / 3600), whole / 60 % 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_html_would_read_is_marked() {
+        assert_eq!(escape("a < b & \"c\" > 'd'"), "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;");
+        assert_eq!(json("</script>\"\\\n"), "\"\\u003c/script\\u003e\\\"\\\\\\u000a\"");
+    }
+
+    #[test]
+    fn base64_is_that_of_the_standard() {
+        let texts = ["", "f", "fo", "foo", "foob", "fooba", "foobar"].map(|text| base64(text.as_bytes()));
+        assert_eq!(texts, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"]);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!([0.1 + 0.2, 1_234_567.0, -1e-9, 0.0].map(|x| number(x, 4)), ["0.3", "1.235e6", "-1e-9", "0"]);
+        assert_eq!([12.0, 150.0, 7500.0].map(clock), ["12 s", "2 min 30 s", "2 h 5 min"]);
+    }
+}
