@@ -71,8 +71,8 @@ Ctrl-C ends the run under way, and so does a fault; all is compared as far as it
 bits, and a script of a queue may always give it. Each run leaves checkpoints and what is compared in rung-1, rung-2, ... of
 the directory; frames are not written. A ladder that is there may be given more rungs, or instants that divide the old.
 
-What moves by the clock of the motion (prescribed motion, walls that move, forces
-along points) would be elsewhere on each rung of S: such a case is refused. Gravity and constant forces may be there.";
+What moves by the clock of the motion (prescribed motion, walls that move, forces along points) would be elsewhere on each rung
+of S: such a case is refused. Gravity and constant forces may be there.";
 
 /// The file that stands for the results.
 const TABLE: &str = "ladder.csv";

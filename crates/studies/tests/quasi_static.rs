@@ -6,8 +6,9 @@ use tdem_engine::{Simulation, State, cpu};
 use tdem_results::session::run;
 use tdem_results::{Control, Note, Observer, Outcome, Progress, RunDirectory, load_final_state};
 
-/// A bar is held at its ends, and the ends are cooled to 160 and 80 °C, so slowly that nothing cracks by the haste: it is pulled by its own contraction. The strength is
-/// half again what the mean contraction asks for, or two thirds of it, where bonds are cold.
+/// A bar is held at its ends, and the ends are cooled to 160 and 80 °C, so slowly that nothing cracks by the haste: it is pulled
+/// by its own contraction. The strength is half again what the mean contraction asks for, or two thirds of it, where bonds
+/// are cold.
 const BAR: &str = r#"
 model = "TBPM"
 gravity = [0.0, 0.0, 0.0]
