@@ -2,69 +2,16 @@
 
 use std::fmt::Display;
 use std::path::Path;
-use std::time::Duration;
-
-/// At most `digits` digits, with a power of ten only where it is hard to read without.
-pub(crate) fn number(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    if (1e-3..1e5).contains(&value.abs()) {
-        return scientific.parse::<f64>().map_or(scientific, |rounded| format!("{rounded}"));
-    }
-    match scientific.split_once('e') {
-        Some((mantissa, exponent)) if mantissa.contains('.') => {
-            format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-        }
-        _ => scientific,
-    }
-}
+pub(crate) use tdem_results::words::{bytes, clock, grouped, number};
 
 /// Four digits, enough for a look.
 pub(crate) fn short(value: f64) -> String {
     number(value, 4)
 }
 
-/// A whole number with its thousands set apart.
-pub(crate) fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// A number of things: "1 frame", "3 frames".
 pub(crate) fn counted(count: u64, thing: &str) -> String {
     format!("{} {thing}{}", grouped(count), if count == 1 { "" } else { "s" })
-}
-
-/// An amount of storage.
-pub(crate) fn bytes(amount: u64) -> String {
-    let amount = amount as f64;
-    let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
-    match units.iter().find(|(size, _)| amount >= *size) {
-        Some((size, unit)) => format!("{} {unit}", number(amount / size, 3)),
-        None => format!("{amount} B"),
-    }
-}
-
-/// A time on the clock.
-pub(crate) fn clock(time: Duration) -> String {
-    let seconds = time.as_secs_f64();
-    let whole = seconds.round() as u64;
-    match whole {
-        0..10 => format!("{} s", number(seconds, 2)),
-        10..120 => format!("{whole} s"),
-        120..7200 => format!("{} min {} s", whole / 60, whole % 60),
-        7200..172_800 => format!("{} h {} min", whole / 3600, whole / 60 % 60),
-        _ => format!("{} d {} h", whole / 86_400, whole / 3600 % 24),
-    }
 }
 
 /// A path as a shell takes it.
@@ -84,17 +31,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_easy_to_read() {
-        assert_eq!([0.0, 1.0 / 3.0, 123_456.0, 1.5e-5, 2.0e9].map(short), ["0", "0.3333", "1.235e5", "1.5e-5", "2e9"]);
-        assert_eq!([0, 999, 8000, 1_362_944].map(grouped), ["0", "999", "8,000", "1,362,944"]);
-        assert_eq!([12, 4_200, 3_700_000].map(bytes), ["12 B", "4.2 kB", "3.7 MB"]);
+    fn things_are_counted() {
         assert_eq!([1, 2].map(|n| counted(n, "frame")), ["1 frame", "2 frames"]);
-    }
-
-    #[test]
-    fn times_on_the_clock_have_the_units_of_their_size() {
-        let shown = [0.25, 42.0, 185.0, 7500.0, 200_000.0].map(|s| clock(Duration::from_secs_f64(s)));
-        assert_eq!(shown, ["0.25 s", "42 s", "3 min 5 s", "2 h 5 min", "2 d 7 h"]);
     }
 
     #[test]

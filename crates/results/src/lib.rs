@@ -32,6 +32,7 @@ mod run_directory;
 pub mod session;
 mod tensors;
 mod vtkhdf;
+pub mod words;
 mod writer;
 
 pub use blocks::{Contents, Precision, mean_stress};

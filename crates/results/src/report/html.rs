@@ -1,22 +1,7 @@
 //! Words and pictures as a page can hold them.
 
+pub(super) use crate::words::{bytes, clock, escape, grouped};
 use std::fmt::Write;
-
-/// A text with everything marked that HTML would read as its own, also within attributes.
-pub(super) fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => safe += "&amp;",
-            '<' => safe += "&lt;",
-            '>' => safe += "&gt;",
-            '"' => safe += "&quot;",
-            '\'' => safe += "&#39;",
-            _ => safe.push(letter),
-        }
-    }
-    safe
-}
 
 /// A text as a string of JSON that may stand within a `script` element.
 pub(super) fn json(text: &str) -> String {
@@ -60,46 +45,12 @@ pub(super) fn number(value: f64, digits: usize) -> String {
     }
 }
 
-/// A whole number with its thousands set apart.
-pub(super) fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-/// An amount of storage.
-pub(super) fn bytes(amount: u64) -> String {
-    let amount = amount as f64;
-    match [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")].iter().find(|(size, _)| amount >= *size) {
-        Some((size, unit)) => format!("{} {unit}", number(amount / size, 3)),
-        None => format!("{amount} B"),
-    }
-}
-
-/// A time on the clock, s.
-pub(super) fn clock(secs: f64) -> String {
-    let whole = secs.round() as u64;
-    match whole {
-        0..10 => format!("{} s", number(secs, 2)),
-        10..120 => format!("{whole} s"),
-        120..7200 => format!("{} min {} s", whole / 60, whole % 60),
-        _ => format!("{} h {} min", grouped(whole / 3600), whole / 60 % 60),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn what_html_would_read_is_marked() {
-        assert_eq!(escape("a < b & \"c\" > 'd'"), "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;");
+    fn a_string_of_json_cannot_end_its_element() {
         assert_eq!(json("</script>\"\\\n"), "\"\\u003c/script\\u003e\\\"\\\\\\u000a\"");
     }
 
@@ -112,6 +63,5 @@ mod tests {
     #[test]
     fn numbers_are_short() {
         assert_eq!([0.1 + 0.2, 1_234_567.0, -1e-9, 0.0].map(|x| number(x, 4)), ["0.3", "1.235e6", "-1e-9", "0"]);
-        assert_eq!([12.0, 150.0, 7500.0].map(clock), ["12 s", "2 min 30 s", "2 h 5 min"]);
     }
 }

@@ -4,6 +4,7 @@ use super::html::{clock, grouped, number};
 use crate::lock;
 use crate::log::{self, Event};
 use std::path::Path;
+use std::time::Duration;
 
 /// What the log of a run tells.
 #[derive(Debug, Default)]
@@ -92,7 +93,7 @@ impl Story {
             add("steps", format!("{} of {} s", grouped(steps), number(dt, 5)));
             let (done, secs) = self.done;
             if secs > 0.0 && done > 0 {
-                add("time on the clock", clock(secs));
+                add("time on the clock", clock(Duration::try_from_secs_f64(secs).unwrap_or_default()));
                 add("rate", format!("{} particle-steps/s", number((particles * done) as f64 / secs, 3)));
             }
         }

@@ -2,6 +2,7 @@
 //! so that a chart looks right on light and on dark. That is why they are not drawn with a library that paints colours.
 
 use std::fmt::Write;
+pub(super) use tdem_results::words::escape as escaped;
 
 /// The drawing, in units of its view box; small, so that text can be read on a narrow screen.
 const WIDTH: f64 = 460.0;
@@ -10,11 +11,6 @@ const LEFT: f64 = 62.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 46.0;
-
-/// Text that stands in HTML or SVG.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
 
 /// How values lie along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
