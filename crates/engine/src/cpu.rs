@@ -25,7 +25,7 @@ use crate::step::{Backend, Stages, step};
 use crate::{Capture, Fault, Plan, Profile, State};
 pub(crate) use arithmetic::rate as arithmetic_rate;
 pub(crate) use bodies::{Quad, second_derivative};
-pub(crate) use grid::class_of;
+pub(crate) use grid::{Division, budget, class_of};
 pub(crate) use neighbours::indices_by_rank;
 pub(crate) use pieces::split;
 pub(crate) use predict::optional;

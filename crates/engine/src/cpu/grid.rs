@@ -3,12 +3,55 @@
 use super::bodies::Quad;
 use crate::Domain;
 
+/// Most cells along a direction that are told apart.
+const MOST: f64 = (1_u32 << 30) as f64;
+/// Fewest cells that a direction is folded to.
+const FEWEST: u32 = 4;
+
+/// How a box is divided into cells.
+///
+/// Cells are at most as many as a budget. Where the box has more, since particles are scattered or some have flown far
+/// from the bulk, directions are folded: cell `c` shares its memory with `c + cells`, `c + 2 cells` and so on. Then a
+/// cell also has particles from far away, which the test of distances sorts out, and cells of the bulk stay as narrow
+/// as the reach. Directions that repeat are not folded; if they alone are too long, cells become wider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Division {
+    /// Cells per metre.
+    pub(crate) per_metre: [f64; 3],
+    /// Cells along the box.
+    pub(crate) along: [u32; 3],
+    /// Cells that are kept.
+    pub(crate) cells: [u32; 3],
+}
+
+impl Division {
+    /// Of a box of these edges, in m, into at most `budget` cells at least `width` wide.
+    pub(crate) fn new(extent: [f64; 3], width: f64, periodic: [bool; 3], budget: usize) -> Self {
+        let mut width = width;
+        loop {
+            let along = extent.map(|extent| (extent / width).floor().clamp(1.0, MOST) as u32);
+            let mut cells = along;
+            while cells.iter().map(|&c| f64::from(c)).product::<f64>() > budget as f64 {
+                let open = (0..3).filter(|&k| !periodic[k] && cells[k] > FEWEST).max_by_key(|&k| cells[k]);
+                match open {
+                    Some(k) => cells[k] = (cells[k] / 10 * 9).max(FEWEST),
+                    None => break,
+                }
+            }
+            if cells.iter().map(|&c| f64::from(c)).product::<f64>() <= budget as f64 {
+                let per_metre =
+                    std::array::from_fn(|k| if extent[k] > 0.0 { f64::from(along[k]) / extent[k] } else { 0.0 });
+                return Division { per_metre, along, cells };
+            }
+            width *= 1.25;
+        }
+    }
+}
+
 /// Particles of one size class, sorted into cells at least as wide as their reach.
 pub(crate) struct Grid {
     min: [f64; 3],
-    /// Cells per metre.
-    per_metre: [f64; 3],
-    cells: [usize; 3],
+    division: Division,
     /// Whether the last cell of a direction is a neighbour of the first.
     wraps: [bool; 3],
     /// Where the particles of each cell start.
@@ -33,19 +76,10 @@ impl Grid {
                 (min[k], max[k]) = (domain.min[k], domain.max[k]);
             }
         }
-        // Scattered particles would make a grid of mostly empty cells: coarsen it until cells are as many as particles.
-        let budget = (4 * members.len()).max(64) as f64;
-        let mut width = width;
-        let count = |width: f64| -> [f64; 3] { std::array::from_fn(|k| ((max[k] - min[k]) / width).floor().max(1.0)) };
-        while count(width).iter().product::<f64>() > budget {
-            width *= 1.25;
-        }
-        let cells = count(width).map(|c| c as usize);
-        let per_metre = std::array::from_fn(|k| {
-            let extent = max[k] - min[k];
-            if extent > 0.0 { cells[k] as f64 / extent } else { 0.0 }
-        });
-        let mut grid = Grid { min, per_metre, cells, wraps, start: Vec::new(), items: Vec::new() };
+        let extent = std::array::from_fn(|k| max[k] - min[k]);
+        let division = Division::new(extent, width, wraps, budget(members.len()));
+        let cells = division.cells.map(|c| c as usize);
+        let mut grid = Grid { min, division, wraps, start: Vec::new(), items: Vec::new() };
         let cell_of: Vec<u32> = members.iter().map(|&i| grid.linear(grid.cell(&place[i as usize])) as u32).collect();
         let mut start = vec![0_u32; cells.iter().product::<usize>() + 1];
         for &cell in &cell_of {
@@ -67,10 +101,18 @@ impl Grid {
 
     /// The cell of a member of the class.
     fn cell(&self, place: &Quad) -> [usize; 3] {
-        std::array::from_fn(|k| (((place.0[k] - self.min[k]) * self.per_metre[k]) as usize).min(self.cells[k] - 1))
+        std::array::from_fn(|k| self.along(place, k) as usize % self.division.cells[k] as usize)
+    }
+    /// How many cells a point is from the start of a direction. What is outside counts as being at the border: that
+    /// moves no two points apart.
+    #[inline(always)]
+    fn along(&self, place: &Quad, k: usize) -> u32 {
+        let Division { per_metre, along, .. } = &self.division;
+        (((place.0[k] - self.min[k]) * per_metre[k]) as u32).min(along[k] - 1)
     }
     fn linear(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.cells[1] + y) * self.cells[0] + x
+        let [cells_x, cells_y, _] = self.division.cells.map(|c| c as usize);
+        (z * cells_y + y) * cells_x + x
     }
 
     /// Calls `visit` with the members of all cells around a point, whether the point is inside the grid or not.
@@ -79,16 +121,17 @@ impl Grid {
         let mut near = [[0_usize; 3]; 3];
         let mut count = [0_usize; 3];
         for k in 0..3 {
-            let cell = ((place.0[k] - self.min[k]) * self.per_metre[k]).floor() as isize;
-            let cells = self.cells[k] as isize;
+            let cell = i64::from(self.along(place, k));
+            let (along, cells) = (i64::from(self.division.along[k]), i64::from(self.division.cells[k]));
             for step in -1..=1 {
-                let mut c = cell + step;
-                if self.wraps[k] {
-                    c = c.rem_euclid(cells);
+                let c = cell + step;
+                if !self.wraps[k] && (c < 0 || c >= along) {
+                    continue;
                 }
+                let c = c.rem_euclid(cells) as usize;
                 // With one or two cells a step to either side may end in the same cell.
-                if c >= 0 && c < cells && !near[k][..count[k]].contains(&(c as usize)) {
-                    near[k][count[k]] = c as usize;
+                if !near[k][..count[k]].contains(&c) {
+                    near[k][count[k]] = c;
                     count[k] += 1;
                 }
             }
@@ -102,6 +145,11 @@ impl Grid {
             }
         }
     }
+}
+
+/// Most cells for so many particles.
+pub(crate) fn budget(particles: usize) -> usize {
+    (4 * particles).max(64)
 }
 
 /// Size classes, each half as large as the one before: radii of class `c` are above `largest / 2^(c+1)`.
@@ -139,6 +187,53 @@ mod tests {
         let points = [order(0.5, 0.5, 0.5), order(9.5, 0.5, 0.5), order(0.5, 1.5, 0.5), order(0.5, 0.5, 1.5)];
         assert!(points.is_sorted());
         assert!(order(9.5, 15.5, 99.5) < order(0.5, 16.5, 0.5));
+    }
+
+    #[test]
+    fn a_box_too_long_is_folded_and_its_cells_stay_narrow() {
+        let whole = Division::new([1.0, 2.0, 0.0], 0.1, [false; 3], 1000);
+        assert_eq!((whole.along, whole.cells), ([10, 20, 1], [10, 20, 1]));
+        let folded = Division::new([1.0, 1e4, 1e30], 0.1, [false; 3], 1000);
+        assert_eq!(folded.along, [10, 100_000, 1 << 30]);
+        assert!(folded.cells[0] >= 8 && folded.cells.iter().product::<u32>() <= 1000);
+        let repeats = Division::new([1.0, 1e4, 1.0], 0.1, [true; 3], 1000);
+        assert_eq!(repeats.along, repeats.cells);
+        assert!(repeats.per_metre[0] < 10.0 && repeats.cells.iter().product::<u32>() <= 1000);
+    }
+
+    #[test]
+    fn neighbours_are_found_wherever_the_far_ones_are() {
+        // A lattice of 8 by 8 by 8, and for each direction one far away on either side, by odd numbers of cells.
+        let mut place = Vec::new();
+        for k in 0..512 {
+            let [x, y, z] = [k % 8, k / 8 % 8, k / 64].map(|c| 0.11 * f64::from(c));
+            place.push(Quad([x, y, z, 0.05]));
+        }
+        for (k, far) in [1e3, -1e7, 777.7, -5.0, 1e4, -33.3].into_iter().enumerate() {
+            let mut x = [0.3; 3];
+            x[k / 2] = far;
+            place.push(Quad([x[0], x[1], x[2], 0.05]));
+            x[k / 2] += 0.09;
+            place.push(Quad([x[0], x[1], x[2], 0.05]));
+        }
+        let members: Vec<u32> = (0..place.len() as u32).collect();
+        let domain = Domain { min: [-1e10; 3], max: [1e10; 3], periodic: [false; 3] };
+        let grid = Grid::new(&place, &members, 0.12, &domain);
+        let mut looked_at = 0;
+        for (i, a) in place.iter().enumerate() {
+            let near = |j: usize| {
+                let offset = place[j].vector() - a.vector();
+                j != i && offset.dot(offset) < 0.12 * 0.12
+            };
+            let mut found = Vec::new();
+            grid.around(a, |members| {
+                looked_at += members.len();
+                found.extend(members.iter().map(|&j| j as usize).filter(|&j| near(j)));
+            });
+            found.sort_unstable();
+            assert_eq!(found, (0..place.len()).filter(|&j| near(j)).collect::<Vec<_>>(), "around particle {i}");
+        }
+        assert!(looked_at < 40 * place.len(), "{looked_at}");
     }
 
     #[test]

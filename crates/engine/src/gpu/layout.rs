@@ -321,13 +321,17 @@ records! {
         per_metre: Vector,
         /// Largest radius of the class, m.
         largest: f64,
+        /// Cells along the box.
+        along_x: u32,
+        along_y: u32,
+        along_z: u32,
+        /// Cells that are kept, see `cpu::Division`.
         cells_x: u32,
         cells_y: u32,
         cells_z: u32,
         first_cell: u32,
         /// Rows side by side in a strip.
         strip: u32,
-        padding: u32,
     }
 }
 

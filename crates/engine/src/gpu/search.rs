@@ -7,7 +7,7 @@ use super::layout::{
 use super::memory::{Buffer, Queue};
 use super::run::Gpu;
 use super::runtime::{Error, Runtime};
-use crate::cpu::{Quad, class_of};
+use crate::cpu::{Division, Quad, budget, class_of};
 use crate::{Fault, Plan, State};
 use tdem_physics::contact::Friction;
 
@@ -327,12 +327,11 @@ impl<R: Runtime> Gpu<R> {
     /// The cells of each size class over the space that particles occupy, and the number of all cells.
     fn levels(&self, skin: f64, occupied: Option<[Quad; 2]>) -> Result<(Vec<Level>, usize), Fault> {
         let domain = &self.plan.domain;
-        // Scattered particles would make a grid of mostly empty cells: coarsen it until cells are as many as particles.
-        let budget = (4 * self.particles).max(64) as f64;
+        let budget = budget(self.particles);
         let width = 2.0 * self.largest + skin;
         let of_domain: f64 = domain.length().iter().map(|length| (length / width).max(1.0)).product();
         // A domain of few cells is taken as it is: looking for the bounds of the particles takes longer.
-        let (low, high) = if of_domain <= budget {
+        let (low, high) = if of_domain <= budget as f64 {
             (domain.min, domain.max)
         } else {
             let [low, high] = occupied.map_or_else(|| self.occupied(), Ok)?;
@@ -343,28 +342,23 @@ impl<R: Runtime> Gpu<R> {
         let (mut levels, mut cells) = (Vec::new(), 0_u32);
         let mut radius = self.largest;
         for _ in 0..=class_of(self.smallest, self.largest) {
-            let mut width = 1.000_000_1 * (2.0 * radius + skin);
-            let count =
-                |width: f64| -> [f64; 3] { std::array::from_fn(|k| ((max[k] - min[k]) / width).floor().max(1.0)) };
-            while count(width).iter().product::<f64>() > budget {
-                width *= 1.25;
-            }
-            let [x, y, z] = count(width).map(|c| c as u32);
+            let width = 1.000_000_1 * (2.0 * radius + skin);
+            let extent = std::array::from_fn(|k| max[k] - min[k]);
+            let division = Division::new(extent, width, domain.periodic, budget);
+            let ([x, y, z], [along_x, along_y, along_z]) = (division.cells, division.along);
             let strip = y.min(STRIP);
-            let per_metre = std::array::from_fn(|k| {
-                let extent = max[k] - min[k];
-                if extent > 0.0 { f64::from([x, y, z][k]) / extent } else { 0.0 }
-            });
             levels.push(Level {
                 min: Vector(min),
-                per_metre: Vector(per_metre),
+                per_metre: Vector(division.per_metre),
                 largest: radius,
+                along_x,
+                along_y,
+                along_z,
                 cells_x: x,
                 cells_y: y,
                 cells_z: z,
                 first_cell: cells,
                 strip,
-                padding: 0,
             });
             cells += y.div_ceil(strip) * strip * x * z;
             radius *= 0.5;

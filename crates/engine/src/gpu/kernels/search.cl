@@ -55,12 +55,12 @@ DEVICE u32 class_of(const real radius, const real largest)
     return class_index;
 }
 
-// A coordinate in cells, inside the grid whatever it is, even if it is not a number.
-DEVICE u32 cell_along(const real coordinate, const real low, const real per_metre, const u32 cells)
+// A coordinate in cells, inside the box whatever it is, even if it is not a number.
+DEVICE u32 cell_along(const real coordinate, const real low, const real per_metre, const u32 along)
 {
     real c = (coordinate - low) * per_metre;
     c = c > 0.0 ? c : 0.0;
-    const real last = (real)(cells - 1u);
+    const real last = (real)(along - 1u);
     return (u32)(c < last ? c : last);
 }
 
@@ -76,9 +76,10 @@ kernel cells
     FOR_EACH(i, search.particles) {
         const Quad x = place[i];
         const Level level = levels[search.levels > 1u ? class_of(x.w, search.largest) : 0u];
-        const u32 cell = cell_number(level, cell_along(x.x, level.min.x, level.per_metre.x, level.cells_x),
-                                     cell_along(x.y, level.min.y, level.per_metre.y, level.cells_y),
-                                     cell_along(x.z, level.min.z, level.per_metre.z, level.cells_z));
+        const u32 cell_x = cell_along(x.x, level.min.x, level.per_metre.x, level.along_x);
+        const u32 cell_y = cell_along(x.y, level.min.y, level.per_metre.y, level.along_y);
+        const u32 cell_z = cell_along(x.z, level.min.z, level.per_metre.z, level.along_z);
+        const u32 cell = cell_number(level, cell_x % level.cells_x, cell_y % level.cells_y, cell_z % level.cells_z);
         cell_of[i] = cell;
         place_in_cell[i] = ATOMIC_ADD(cell_count + cell, 1u);
     }
@@ -160,21 +161,19 @@ DEVICE int near_wall(const Search search, const Quad x, const Wall wall, const Q
     return touch.overlap > -search.skin;
 }
 
-// The cells within reach along one direction: the first, and how many; they may go round where the box repeats.
-DEVICE i32 first_within(const real coordinate, const real reach, const real low, const real per_metre, const u32 cells,
-                        const u32 wraps, u32 *many)
+// The cells within reach along one direction: the first, and how many; they may go round where the box repeats or is
+// folded.
+DEVICE i32 first_within(const real coordinate, const real reach, const real low, const real per_metre, const u32 along,
+                        const u32 cells, const u32 wraps, u32 *many)
 {
+    if (!wraps) {
+        const u32 from = cell_along(coordinate - reach, low, per_metre, along);
+        const u32 count = cell_along(coordinate + reach, low, per_metre, along) - from + 1u;
+        *many = count < cells ? count : cells;
+        return count < cells ? (i32)(from % cells) : 0;
+    }
     real a = (coordinate - reach - low) * per_metre;
     real b = (coordinate + reach - low) * per_metre;
-    const real last = (real)(cells - 1u);
-    if (!wraps) {
-        a = a > 0.0 ? a : 0.0;
-        a = a < last ? a : last;
-        b = b > 0.0 ? b : 0.0;
-        b = b < last ? b : last;
-        *many = (u32)b - (u32)a + 1u;
-        return (i32)a;
-    }
     // Towards minus infinity: a cast goes towards zero. A particle is inside its box, and so is its reach up to one box.
     const i32 shift = (i32)cells;
     const real room = (real)shift;
@@ -201,12 +200,12 @@ DEVICE u32 wrapped(const i32 cell, const u32 cells)
         const Level level = levels[l];                                                                                 \
         const real reach = 1.0000001 * (x.w + level.largest + search.skin);                                            \
         u32 many_x, many_y, many_z;                                                                                    \
-        const i32 from_x = first_within(x.x, reach, level.min.x, level.per_metre.x, level.cells_x, search.wraps & 1u,  \
-                                        &many_x);                                                                      \
-        const i32 from_y = first_within(x.y, reach, level.min.y, level.per_metre.y, level.cells_y, search.wraps & 2u,  \
-                                        &many_y);                                                                      \
-        const i32 from_z = first_within(x.z, reach, level.min.z, level.per_metre.z, level.cells_z, search.wraps & 4u,  \
-                                        &many_z);                                                                      \
+        const i32 from_x = first_within(x.x, reach, level.min.x, level.per_metre.x, level.along_x,                     \
+                                        level.cells_x, search.wraps & 1u, &many_x);                                    \
+        const i32 from_y = first_within(x.y, reach, level.min.y, level.per_metre.y, level.along_y,                     \
+                                        level.cells_y, search.wraps & 2u, &many_y);                                    \
+        const i32 from_z = first_within(x.z, reach, level.min.z, level.per_metre.z, level.along_z,                     \
+                                        level.cells_z, search.wraps & 4u, &many_z);                                    \
         for (u32 cz = 0; cz < many_z; ++cz)                                                                            \
             for (u32 cy = 0; cy < many_y; ++cy) {                                                                      \
                 const u32 row = cell_number(level, 0, wrapped(from_y + (i32)cy, level.cells_y),                        \
