@@ -21,6 +21,7 @@ Examples:
   tdem bench --paper-figures                                               the best GPU and the CPU, or the CPU alone
   tdem bench --paper-figures --device cuda,cpu --sizes 88k,660k,1.4m,3m    all sizes of the paper
   tdem bench --paper-figures --device cpu --sizes small --models GN,GNTM   a quick look
+  tdem bench --paper-figures --redraw                                      the page of measurements that are there
 
 The paper's five models in its three applications, each as the paper computes (Gear's integrator, a search in every step)
 and as this program does by default; without a ledger. Its figures 3 to 7 are drawn from what was measured, with the paper's
@@ -56,6 +57,9 @@ pub(crate) struct Arguments {
     /// Folder for the page and the numbers
     #[arg(long, value_name = "DIR", default_value = "paper-figures")]
     out: PathBuf,
+    /// Measure nothing: draw table and page again from the folder's bench.json
+    #[arg(long, conflicts_with_all = ["device", "sizes", "cpu_sizes", "models", "threads", "seconds"])]
+    redraw: bool,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -71,6 +75,9 @@ struct Task {
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    if arguments.redraw {
+        return redraw(&arguments.out);
+    }
     let start = Instant::now();
     fs::create_dir_all(&arguments.out).map_err(|error| files::refused(&arguments.out, &error))?;
     for name in ["bench.json", "table.md", "index.html"] {
@@ -93,6 +100,21 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         clock(start.elapsed()),
         argument(&arguments.out.join("index.html"))
     ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Draws again what was measured before.
+fn redraw(folder: &Path) -> Result<ExitCode, Reports> {
+    let path = folder.join("bench.json");
+    let text = fs::read_to_string(&path).map_err(|error| {
+        Report::new("tdem::bench::json", format!("cannot read {}: {error}", argument(&path)))
+            .help("`--out` says in which folder the measurements are")
+    })?;
+    let record = Record::read(&text).map_err(|error| {
+        Report::new("tdem::bench::json", format!("{} is not of this benchmark: {error}", argument(&path)))
+    })?;
+    draw(folder, &record)?;
+    data(table(&record))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -141,6 +163,10 @@ fn write(folder: &Path, record: &Record) -> Result<(), Reports> {
         Report::new("tdem::bench::json", format!("the measurements cannot be written as JSON: {error}"))
     })?;
     files::write(&folder.join("bench.json"), json.as_bytes())?;
+    draw(folder, record)
+}
+
+fn draw(folder: &Path, record: &Record) -> Result<(), Reports> {
     files::write(&folder.join("table.md"), table(record).as_bytes())?;
     files::write(&folder.join("index.html"), page(record).as_bytes())
 }

@@ -252,6 +252,14 @@ fn bench_draws_the_figures_of_the_paper() {
     let page = read("figures/index.html");
     assert!(page.contains("--models GN,TBPM") && page.contains("Figure 7: roofline"));
     assert!(said.out.trim_end().ends_with(read("figures/table.md").trim_end()));
+    std::fs::remove_file(room.path("figures/index.html")).expect("it was there");
+    let again = room.tdem(&["bench", "--paper-figures", "--redraw", "--out", "figures"]).exits(0);
+    assert!(read("figures/index.html") == page, "the page of the same measurements is another");
+    assert_eq!(again.out.trim_end(), read("figures/table.md").trim_end());
+    room.write("figures/bench.json", "{}");
+    let none = ["bench", "--paper-figures", "--redraw", "--out"];
+    room.tdem(&[&none[..], &["figures"]].concat()).exits(1).complains(&["bench.json", "benchmark"]);
+    room.tdem(&[&none[..], &["nowhere"]].concat()).exits(1).complains(&["cannot read", "--out"]);
     room.tdem(&["bench"]).exits(2);
     room.tdem(&["bench", "--sizes", "small"]).exits(2);
     room.tdem(&["bench", "--paper-figures", "--sizes", "7k"]).exits(2);

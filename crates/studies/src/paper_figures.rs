@@ -86,7 +86,7 @@ impl FromStr for Model {
 }
 
 /// The paper's sizes, about so many particles; each application has its own number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Size {
     /// What the cases have without a preset: several thousand.
     #[serde(rename = "small")]
@@ -146,7 +146,7 @@ impl FromStr for Size {
 }
 
 /// How a step is computed. No ledger is kept in either.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// As the paper does: Gear's integrator, a search in every step.
@@ -170,7 +170,7 @@ impl fmt::Display for Mode {
 }
 
 /// A device that is measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// What computes.
     #[serde(skip)]
@@ -192,7 +192,7 @@ pub struct Machine {
 }
 
 /// Where the time of a step goes, in the paper's words, s per step with stages apart.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Procedures {
     /// Prediction and correction.
     pub integration: f64,
@@ -227,7 +227,7 @@ impl Procedures {
 }
 
 /// A kernel, a stage or a whole step in a roofline, per step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Of the kernel or stage; `step` is a whole step.
     pub name: String,
@@ -253,7 +253,7 @@ impl Point {
 }
 
 /// What was measured of one scene on one machine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Which model.
     pub model: Model,
@@ -310,14 +310,14 @@ impl Measured {
 }
 
 /// All measurements, and on what they were made.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// `paper-figures`.
-    pub benchmark: &'static str,
+    pub benchmark: String,
     /// Of this program.
     pub version: String,
     /// Bits of all reals.
-    pub precision: &'static str,
+    pub precision: String,
     /// The command that makes it again.
     pub command: String,
     /// Devices, the first of which is compared with the paper.
@@ -335,15 +335,22 @@ impl Record {
     #[must_use]
     pub fn new(version: &str, command: String, machines: Vec<Machine>, planned: usize) -> Self {
         Record {
-            benchmark: "paper-figures",
+            benchmark: "paper-figures".to_owned(),
             version: version.to_owned(),
-            precision: "f64",
+            precision: "f64".to_owned(),
             command,
             machines,
             measurements: Vec::new(),
             left_out: Vec::new(),
             planned,
         }
+    }
+    /// From what [`Self::json`] gave.
+    ///
+    /// # Errors
+    /// What is not as it should be, and where.
+    pub fn read(text: &str) -> Result<Self, serde_json::Error> {
+        serde_json::from_str(text)
     }
     /// As JSON.
     ///

@@ -4,7 +4,7 @@
 //! changes of sign none. Only laws are counted, not the sums around them, so that numbers are lower bounds. A branch of a law
 //! (sliding) is counted as not taken in `always` and as taken in `at_most`.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::ops::{Add, Mul};
 use tdem_engine::physics::bond::Form;
 use tdem_engine::physics::heat::Path;
@@ -16,7 +16,7 @@ use tdem_engine::physics::print::{
 use tdem_engine::{Integrator, Plan};
 
 /// A number of operations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Count {
     /// If no branch of a law is taken.
     pub always: f64,

@@ -108,6 +108,16 @@ fn numbers_are_those_that_were_measured() {
         text.contains("<td>TBPM</td><td>2.645</td><td>2.805</td><td>16</td><td>16</td><td>16</td><td>16</td>"),
         "{text}"
     );
+    // Moments add twice the time of a step of GN, heat eight times; each model takes twice the time of the one before.
+    assert!(
+        text.contains("<td>moments</td><td>0.121</td><td>\u{2013}</td><td>2</td><td>2</td><td>2</td><td>2</td>"),
+        "{text}"
+    );
+    assert!(text.contains("<td>6.94</td><td>8</td><td>1.6</td>"), "{text}");
+    assert!(text.contains(
+        "On cuda in paper mode: over a step of GN tangential forces, moments, bonds, heat cost more than in the paper; in \
+         absolute time tangential forces, moments, bonds cost less than in the paper, heat more."
+    ));
     // Memory of TBPM is five times that of GN, 500 B a particle.
     assert!(text.contains("<td>TBPM</td><td>5.4</td><td>5</td><td>5</td><td>500</td><td>500</td>"), "{text}");
     // An eighth of the time is integration, and a quarter search.
