@@ -68,7 +68,7 @@ fn usage() -> String {
     let mut text = String::from(
         "cargo xtask ci                     all of CI\n\
          cargo xtask ci --only fmt,tests    some parts of it\n\
-         cargo xtask docs                   write docs/case-file.md and docs/outputs.md anew\n\nparts:\n",
+         cargo xtask docs                   write the generated pages of docs anew\n\nparts:\n",
     );
     for part in PARTS {
         // A string takes whatever is written to it.
@@ -131,5 +131,7 @@ fn report(name: &str, outcome: Result<(), Failure>) -> ExitCode {
 
 /// The pages are compared by a test, which writes them when it is told to.
 fn write_pages() -> Result<(), Failure> {
-    cargo("test --quiet --package xtask --test pages").variable("WRITE_PAGES", "1").run()
+    ["--package xtask --test pages", "--package tdem --bin tdem explain::page"]
+        .into_iter()
+        .try_for_each(|test| cargo(&format!("test --quiet {test}")).variable("WRITE_PAGES", "1").run())
 }

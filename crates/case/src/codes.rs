@@ -308,6 +308,11 @@ crate::codes! {
     /// Give it one of the shapes that the message lists; a body of several shapes is several zones.
     error SHAPE = "tdem::case::shape";
 
+    /// The time step that was chosen is no number that a case can hold, so that the run cannot keep its case.
+    ///
+    /// No case should cause this: please report it with the case.
+    error STEP = "tdem::case::step";
+
     /// The time step is longer than the whole run.
     ///
     /// Write `step = "auto"` for the largest safe step, or make the run longer.
