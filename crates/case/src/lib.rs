@@ -3,7 +3,7 @@
 //! * [`load`], [`parse`] a file, with presets and overrides applied, as a checked [`Case`]
 //! * [`Loaded::build`] places particles and walls, chooses the time step: a [`Built`] holds what the engine needs
 //! * [`Problems`] what is wrong: codes, messages, labels on lines, remedies
-//! * [`codes`] what each code means
+//! * [`mod@codes`] what each code means
 //! * [`json_schema`] for editors, [`starter()`] for newcomers
 //!
 //! ```

@@ -34,7 +34,7 @@ pub struct Label {
 /// One thing that is wrong: what, where, why, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// Stable code, such as `tdem::case::unknown-key`; [`codes`](crate::codes) explains it.
+    /// Stable code, such as `tdem::case::unknown-key`; [`codes`](mod@crate::codes) explains it.
     pub code: &'static str,
     /// How bad it is.
     pub severity: Severity,

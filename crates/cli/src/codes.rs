@@ -1,5 +1,5 @@
 //! All that can go wrong behind a case that is right, by code: what it means, and what to do. What can be wrong with a case
-//! is in [`tdem_case::codes`]. `docs/errors.md` is made from both.
+//! is in [`mod@tdem_case::codes`]. `docs/errors.md` is made from both.
 
 tdem_case::codes! {
     /// `tdem bench contact --cells` takes three numbers.
