@@ -1,4 +1,5 @@
-//! What belongs to the repository itself: `cargo xtask ci` is all of CI, `cargo xtask docs` writes the generated pages.
+//! What belongs to the repository itself: `cargo xtask ci` is all of CI, `cargo xtask docs` writes the generated
+//! pages.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command talks to whoever typed it")]
 
 mod cases;
@@ -10,6 +11,8 @@ mod workspace;
 
 use command::{Failure, cargo};
 use std::fmt::Write;
+use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use suite::Count;
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
             }
         },
         ["docs"] => report("docs", write_pages()),
+        ["verification"] => report("verification", verify().and_then(|()| write_pages())),
         _ => {
             eprintln!("{}", usage());
             ExitCode::from(2)
@@ -68,7 +72,8 @@ fn usage() -> String {
     let mut text = String::from(
         "cargo xtask ci                     all of CI\n\
          cargo xtask ci --only fmt,tests    some parts of it\n\
-         cargo xtask docs                   write docs/case-file.md and docs/outputs.md anew\n\nparts:\n",
+         cargo xtask docs                   write the generated pages of docs anew\n\
+         cargo xtask verification           the same, with all values of docs/verification.md computed anew: minutes\n\nparts:\n",
     );
     for part in PARTS {
         // A string takes whatever is written to it.
@@ -129,7 +134,16 @@ fn report(name: &str, outcome: Result<(), Failure>) -> ExitCode {
     }
 }
 
-/// The pages are compared by a test, which writes them when it is told to.
+/// Runs both tiers of the verification. What it prints becomes the page, of which the test of pages keeps the tables.
+fn verify() -> Result<(), Failure> {
+    let values = cargo("run --release --quiet --package tdem -- verify --full --markdown --device cpu").output()?;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/verification.md");
+    fs::write(&path, values).map_err(|error| Failure(format!("{error}: {}", path.display())))
+}
+
+/// The pages are compared by tests, which write them when they are told to.
 fn write_pages() -> Result<(), Failure> {
-    cargo("test --quiet --package xtask --test pages").variable("WRITE_PAGES", "1").run()
+    ["--package xtask --test pages", "--package tdem --bin tdem explain::page"]
+        .into_iter()
+        .try_for_each(|test| cargo(&format!("test --quiet {test}")).variable("WRITE_PAGES", "1").run())
 }

@@ -14,7 +14,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("tdem-results", &["tdem-engine"]),
     ("tdem-studies", &["tdem-engine", "tdem-case", "tdem-results", "tdem-physics"]),
     ("tdem", &["tdem-physics", "tdem-engine", "tdem-case", "tdem-results", "tdem-studies"]),
-    ("xtask", &["tdem-case", "tdem-results"]),
+    ("xtask", &["tdem-case", "tdem-results", "tdem-studies"]),
 ];
 /// Where `unsafe` may stand.
 const UNSAFE: &[&str] = &["crates/engine/src/cpu/wide.rs", "crates/engine/src/gpu/", "crates/engine/src/gpu.rs"];

@@ -8,6 +8,7 @@ mod shape;
 
 pub use gauge::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
 
+use crate::codes;
 use crate::materials::RIGID;
 use crate::problem::Problem;
 use crate::schema::{Case, Component, Damping, Interaction, Model, Particles, Radius, Step};
@@ -56,8 +57,8 @@ impl Checker<'_> {
             if min[k] >= max[k] {
                 let [low, high] = ["min", "max"].map(|key| self.place(&[path, &[key]].concat()));
                 self.push(
-                    Problem::error(
-                        "tdem::case::inverted-box",
+                    Problem::new(
+                        codes::INVERTED_BOX,
                         format!(
                             "{}: max is {} m and min is {} m in {axis}, but max must be larger",
                             path[0], max[k], min[k]
@@ -79,11 +80,8 @@ impl Checker<'_> {
         if self.case.material.contains_key(RIGID) {
             let place = self.tree.key_place(&["material", RIGID]);
             self.push(
-                Problem::error(
-                    "tdem::case::reserved-name",
-                    "`rigid` is the built-in material of infinitely stiff walls",
-                )
-                .at(place, "choose another name"),
+                Problem::new(codes::RESERVED_NAME, "`rigid` is the built-in material of infinitely stiff walls")
+                    .at(place, "choose another name"),
             );
         }
     }
@@ -95,14 +93,11 @@ impl Checker<'_> {
         }
         let place = self.place(path);
         let problem = if name == RIGID {
-            Problem::error(
-                "tdem::case::rigid-particles",
-                "particles cannot be rigid: they need a density and a stiffness",
-            )
-            .at(place, "only walls can be rigid")
+            Problem::new(codes::RIGID_PARTICLES, "particles cannot be rigid: they need a density and a stiffness")
+                .at(place, "only walls can be rigid")
         } else {
             let names: Vec<&str> = self.case.material.keys().map(String::as_str).collect();
-            Problem::error("tdem::case::unknown-material", format!("there is no material `{name}`"))
+            Problem::new(codes::UNKNOWN_MATERIAL, format!("there is no material `{name}`"))
                 .at(place, "not defined")
                 .help(suggestion(name, &names))
         };
@@ -122,8 +117,8 @@ impl Checker<'_> {
                 let first = self.place(&["interaction", &first.to_string(), "between"]);
                 let again = self.place(&["interaction", &index, "between"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::duplicate-interaction",
+                    Problem::new(
+                        codes::DUPLICATE_INTERACTION,
                         format!("the interaction of `{}` and `{}` is given twice", pair[0], pair[1]),
                     )
                     .at(again, "again here")
@@ -152,8 +147,8 @@ impl Checker<'_> {
                 continue;
             }
             let [first, second] = &interaction.between;
-            let mut problem = Problem::error(
-                "tdem::case::missing-parameter",
+            let mut problem = Problem::new(
+                codes::MISSING_PARAMETER,
                 format!("the interaction of `{first}` and `{second}` lacks `{key}`"),
             )
             .at(self.place(&["interaction", index]), format!("`{key}` belongs here"));
@@ -178,8 +173,8 @@ impl Checker<'_> {
             let [high_place, low_place] =
                 ["static_friction", "dynamic_friction"].map(|key| self.place(&["interaction", index, key]));
             self.push(
-                Problem::error(
-                    "tdem::case::friction-order",
+                Problem::new(
+                    codes::FRICTION_ORDER,
                     format!("dynamic_friction is {}, but must be at most static_friction, {}", low.get(), high.get()),
                 )
                 .at(low_place, format!("must be at most {}", high.get()))
@@ -201,12 +196,9 @@ impl Checker<'_> {
             let normal = self.place(&["wall", &index, "normal"]);
             if wall.normal == [0.0; 3] {
                 self.push(
-                    Problem::error(
-                        "tdem::case::zero-normal",
-                        format!("the normal of wall `{}` has no direction", wall.name),
-                    )
-                    .at(normal, "all components are 0")
-                    .help("give the direction from the wall to the particles, such as [0.0, 0.0, 1.0]"),
+                    Problem::new(codes::ZERO_NORMAL, format!("the normal of wall `{}` has no direction", wall.name))
+                        .at(normal, "all components are 0")
+                        .help("give the direction from the wall to the particles, such as [0.0, 0.0, 1.0]"),
                 );
                 continue;
             }
@@ -214,8 +206,8 @@ impl Checker<'_> {
                 if self.case.domain.periodic[d] && wall.normal[d] != 0.0 {
                     let cause = self.place(&["domain", "periodic"]);
                     self.push(
-                        Problem::error(
-                            "tdem::case::wall-across-period",
+                        Problem::new(
+                            codes::WALL_ACROSS_PERIOD,
                             format!("wall `{}` blocks {axis}, in which the domain repeats", wall.name),
                         )
                         .at(normal.clone(), format!("its {axis} component must be 0"))
@@ -229,7 +221,7 @@ impl Checker<'_> {
 
     fn duplicate(&mut self, name: &str, again: Range<usize>, first: Range<usize>) {
         self.push(
-            Problem::error("tdem::case::duplicate-name", format!("two walls are called `{name}`"))
+            Problem::new(codes::DUPLICATE_NAME, format!("two walls are called `{name}`"))
                 .at(again, "again here")
                 .at(first, "first here")
                 .help("give each its own name"),
@@ -262,8 +254,8 @@ impl Checker<'_> {
                 if domain.periodic[d] && !closed.is_empty() {
                     let (place, cause) = (self.place(&["box", &index]), self.place(&["domain", "periodic"]));
                     self.push(
-                        Problem::error(
-                            "tdem::case::wall-across-period",
+                        Problem::new(
+                            codes::WALL_ACROSS_PERIOD,
                             format!("box `{}` blocks {axis}, in which the domain repeats", container.name),
                         )
                         .at(place, format!("has walls across {axis}"))
@@ -279,7 +271,7 @@ impl Checker<'_> {
         if self.case.particles.is_empty() {
             let place = self.place(&["particles"]);
             self.push(
-                Problem::error("tdem::case::no-particles", "the case has no particles")
+                Problem::new(codes::NO_PARTICLES, "the case has no particles")
                     .at(place, "empty")
                     .help("add a table [[particles]] with a table [particles.lattice], for instance"),
             );
@@ -305,14 +297,14 @@ impl Checker<'_> {
             let place = self.place(&["particles", index, second]);
             let first = self.place(&["particles", index, sources[0]]);
             self.push(
-                Problem::error("tdem::case::particle-source", "a group of particles comes from one place only")
+                Problem::new(codes::PARTICLE_SOURCE, "a group of particles comes from one place only")
                     .at(place, "one too many")
                     .at(first, "the other")
                     .help("make a [[particles]] group of its own for each"),
             );
         } else if sources.is_empty() {
             self.push(
-                Problem::error("tdem::case::particle-source", "nothing says where these particles come from")
+                Problem::new(codes::PARTICLE_SOURCE, "nothing says where these particles come from")
                     .at(here.clone(), "has no particles")
                     .help("add one of [particles.lattice], [particles.random], [particles.list], [particles.csv], [particles.run]"),
             );
@@ -320,7 +312,7 @@ impl Checker<'_> {
         match &group.material {
             Some(name) => self.material(name, false, &["particles", index, "material"]),
             None if group.csv.is_none() && group.run.is_none() => self.push(
-                Problem::error("tdem::case::missing-key", "these particles have no material")
+                Problem::new(codes::MISSING_KEY, "these particles have no material")
                     .at(here, "`material` belongs here")
                     .help("add `material = \"...\"`, the name of a [material.NAME] table"),
             ),
@@ -334,8 +326,8 @@ impl Checker<'_> {
         {
             let place = self.place(&["particles", index, "random_speed"]);
             self.push(
-                Problem::error(
-                    "tdem::case::inverted-range",
+                Problem::new(
+                    codes::INVERTED_RANGE,
                     format!("random_speed goes from {} m/s down to {} m/s", low.get(), high.get()),
                 )
                 .at(place, "the first must not be larger"),
@@ -348,7 +340,7 @@ impl Checker<'_> {
                 let place = self.place(&["particles", index, "fixed", &k.to_string()]);
                 let other = self.place(&["particles", index, "prescribed", name]);
                 self.push(
-                    Problem::error("tdem::case::fixed-and-prescribed", format!("`{name}` is fixed and prescribed"))
+                    Problem::new(codes::FIXED_AND_PRESCRIBED, format!("`{name}` is fixed and prescribed"))
                         .at(place, "fixed here")
                         .at(other, "prescribed here")
                         .help("keep one of them"),
@@ -378,7 +370,7 @@ impl Checker<'_> {
             if lattice.cells.is_some_and(|cells| cells.contains(&0)) {
                 let place = self.place(&["particles", index, "lattice", "cells"]);
                 self.push(
-                    Problem::error("tdem::case::out-of-range", "a lattice needs at least 1 cell in each direction")
+                    Problem::new(codes::OUT_OF_RANGE, "a lattice needs at least 1 cell in each direction")
                         .at(place, "must be at least 1"),
                 );
             }
@@ -390,7 +382,7 @@ impl Checker<'_> {
             (None, None) => {
                 let place = self.place(&["particles", index, "random"]);
                 self.push(
-                    Problem::error("tdem::case::missing-key", "nothing says how many particles to insert")
+                    Problem::new(codes::MISSING_KEY, "nothing says how many particles to insert")
                         .at(place, "`count` or `volume_fraction` belongs here"),
                 );
             }
@@ -401,8 +393,8 @@ impl Checker<'_> {
         {
             let [low, high] = ["min", "max"].map(|key| self.place(&["particles", index, "random", "radius", key]));
             self.push(
-                Problem::error(
-                    "tdem::case::inverted-range",
+                Problem::new(
+                    codes::INVERTED_RANGE,
                     format!("radii go from {} m down to {} m", range.min.get(), range.max.get()),
                 )
                 .at(high, "must not be smaller than min")
@@ -418,8 +410,8 @@ impl Checker<'_> {
             let place = self.place(&["particles", index, "random", "radius"]);
             let cause = self.place(&["particles", index, "random", "max"]);
             self.push(
-                Problem::error(
-                    "tdem::case::region-too-small",
+                Problem::new(
+                    codes::REGION_TOO_SMALL,
                     format!("spheres of radius {largest} m do not fit into a region {room} m wide"),
                 )
                 .at(place, "too large for the region")
@@ -438,7 +430,7 @@ impl Checker<'_> {
     fn exclusive(&mut self, path: &[&str], one: &str, other: &str) {
         let [first, second] = [one, other].map(|key| self.tree.key_place(&[path, &[key]].concat()));
         self.push(
-            Problem::error("tdem::case::conflicting-keys", format!("`{one}` and `{other}` say the same thing twice"))
+            Problem::new(codes::CONFLICTING_KEYS, format!("`{one}` and `{other}` say the same thing twice"))
                 .at(second, "conflicts")
                 .at(first, "with this")
                 .help("keep one of them"),
@@ -456,8 +448,8 @@ impl Checker<'_> {
             let [place, cause] = ["step", "end"].map(|key| self.place(&["time", key]));
             let end = self.case.time.end.get();
             self.push(
-                Problem::error(
-                    "tdem::case::step-beyond-end",
+                Problem::new(
+                    codes::STEP_BEYOND_END,
                     format!("time.step is {} s, longer than the whole run, {end} s", step.get()),
                 )
                 .at(place, format!("must be at most {end} s"))

@@ -1,7 +1,9 @@
 //! Courses of a case, and tables over temperature: files that they are measured in are read, and points that do not follow
 //! each other are found.
 
+use crate::Code;
 use crate::check::COMPONENTS;
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{Case, Course, Force, Prescribed, Property};
 use crate::structure::suggestion;
@@ -26,7 +28,7 @@ pub(crate) fn settle(case: &mut Case, tree: &Node, base_dir: &Path) -> Vec<Probl
         } else if let Course::Points(points) = course {
             problems.extend(backwards(points).map(|(point, before, after)| {
                 let place = tree.place(&[&path[..], &[&point.to_string()]].concat());
-                Problem::error("tdem::case::inverted-range", format!("the course goes from {before} s to {after} s"))
+                Problem::new(codes::INVERTED_RANGE, format!("the course goes from {before} s to {after} s"))
                     .at(place, "must be later than the point before it")
                     .help("give points [time in s, value] in the order of time; a jump takes a short time")
             }));
@@ -44,7 +46,7 @@ pub(crate) fn settle(case: &mut Case, tree: &Node, base_dir: &Path) -> Vec<Probl
             problems.extend(backwards(points).map(|(point, before, after)| {
                 let place = tree.place(&[&path[..], &[&point.to_string()]].concat());
                 let message = format!("the table goes from a temperature of {before} to {after}");
-                Problem::error("tdem::case::inverted-range", message)
+                Problem::new(codes::INVERTED_RANGE, message)
                     .at(place, "must be warmer than the point before it")
                     .help("give points [temperature, value] from cold to warm; a jump takes a small step")
             }));
@@ -129,7 +131,7 @@ fn backwards(points: &[[f64; 2]]) -> impl Iterator<Item = (usize, f64, f64)> {
 
 /// What is wrong with a file.
 struct Fault {
-    code: &'static str,
+    code: Code,
     /// The key of the course that it is about.
     key: &'static str,
     what: String,
@@ -140,7 +142,7 @@ impl Fault {
     /// The same of the course or table to which these keys lead.
     fn problem(self, tree: &Node, path: &[&str]) -> Problem {
         let place = tree.place(&[path, &[self.key]].concat());
-        Problem::error(self.code, self.what).at(place, "see there").help(self.help)
+        Problem::new(self.code, self.what).at(place, "see there").help(self.help)
     }
 }
 
@@ -151,23 +153,18 @@ fn read(file: &str, columns: [(&'static str, &str); 2], factor: f64, base_dir: &
     let fault = |code, key, what: String, help: &str| Fault { code, key, what, help: help.to_owned() };
     let text = std::fs::read_to_string(&path).map_err(|error| {
         let help = "paths are relative to the folder of the case";
-        fault("tdem::case::csv-unreadable", "file", format!("cannot read {name}: {error}"), help)
+        fault(codes::CSV_UNREADABLE, "file", format!("cannot read {name}: {error}"), help)
     })?;
     let mut lines = table::lines(&text);
     let Some((_, header)) = lines.next() else {
-        return Err(fault(
-            "tdem::case::csv-empty",
-            "file",
-            format!("{name} is empty"),
-            "its first line names the columns",
-        ));
+        return Err(fault(codes::CSV_EMPTY, "file", format!("{name} is empty"), "its first line names the columns"));
     };
     let known: Vec<&str> = header.split(',').map(|column| column.trim().trim_matches('"')).collect();
     let [along, _] = columns.map(|(key, _)| key);
     let column = |(key, wanted): (&'static str, &str)| {
         known.iter().position(|column| *column == wanted).ok_or_else(|| {
             let what = format!("{name} has no column `{wanted}`");
-            fault("tdem::case::csv-column", key, what, &suggestion(wanted, &known))
+            fault(codes::CSV_COLUMN, key, what, &suggestion(wanted, &known))
         })
     };
     let chosen = [column(columns[0])?, column(columns[1])?];
@@ -177,13 +174,13 @@ fn read(file: &str, columns: [(&'static str, &str); 2], factor: f64, base_dir: &
         let value = |column: usize| fields.get(column).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite());
         let [Some(place), Some(value)] = chosen.map(value) else {
             let what = format!("{name}:{number}: `{line}` has no numbers in both columns");
-            return Err(fault("tdem::case::csv-value", "file", what, "numbers look like 1.5e-3, with commas between"));
+            return Err(fault(codes::CSV_VALUE, "file", what, "numbers look like 1.5e-3, with commas between"));
         };
         points.push([place * factor, value]);
     }
     if points.is_empty() {
         return Err(fault(
-            "tdem::case::csv-empty",
+            codes::CSV_EMPTY,
             "file",
             format!("{name} has no rows"),
             &format!("each row is a {along} and a value"),
@@ -191,13 +188,13 @@ fn read(file: &str, columns: [(&'static str, &str); 2], factor: f64, base_dir: &
     }
     if table::is_cut_off(&text) {
         let what = format!("{name} does not end with a line break: its last line may be cut off");
-        return Err(fault("tdem::case::csv-truncated", "file", what, "write the file again"));
+        return Err(fault(codes::CSV_TRUNCATED, "file", what, "write the file again"));
     }
     if let Some((_, before, after)) = backwards(&points).next() {
         let unit = if along == "time" { " s" } else { "" };
         let what = format!("{name}: {along} goes from {before}{unit} to {after}{unit}");
         let help = format!("rows follow each other, from the lowest {along} on");
-        return Err(fault("tdem::case::inverted-range", "file", what, &help));
+        return Err(fault(codes::INVERTED_RANGE, "file", what, &help));
     }
     Ok(points)
 }

@@ -3,6 +3,7 @@
 //! * [`load`], [`parse`] a file, with presets and overrides applied, as a checked [`Case`]
 //! * [`Loaded::build`] places particles and walls, chooses the time step: a [`Built`] holds what the engine needs
 //! * [`Problems`] what is wrong: codes, messages, labels on lines, remedies
+//! * [`mod@codes`] what each code means
 //! * [`json_schema`] for editors, [`starter()`] for newcomers
 //!
 //! ```
@@ -15,6 +16,8 @@
 
 mod build;
 mod check;
+mod code;
+pub mod codes;
 mod courses;
 mod grid;
 mod limits;
@@ -33,6 +36,7 @@ mod walls;
 
 pub use build::{Built, Memory, NoRuns, RunLoader};
 pub use check::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
+pub use code::Code;
 pub use limits::{StepLimit, StepLimits};
 pub use load::{Loaded, load, parse};
 pub use problem::{Label, Problem, Problems, Severity, Source};

@@ -1,6 +1,7 @@
 //! What limits the time step, and the step that follows.
 
 use crate::build::{Context, Vibration, Warming};
+use crate::codes;
 use crate::load::Loaded;
 use crate::problem::{Label, Problem, number};
 use crate::schema::{Damping, Integrator, Model, Motion, Step};
@@ -216,9 +217,9 @@ impl StepLimits {
                 limit.cause
             );
             let mut problem = if limit.proven {
-                Problem::error("tdem::case::step-unstable", message + ": the run would diverge")
+                Problem::new(codes::STEP_UNSTABLE, message + ": the run would diverge")
             } else {
-                Problem::warning("tdem::case::step-large", message + ", which is an estimate")
+                Problem::new(codes::STEP_LARGE, message + ", which is an estimate")
             };
             let remedy = if limit.proven { "must be at most" } else { "should be at most" };
             problem = problem.at(loaded.tree.place(&["time", "step"]), format!("{remedy} {} s", number(limit.seconds)));

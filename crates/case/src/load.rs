@@ -2,6 +2,7 @@
 
 use crate::build::Built;
 use crate::check;
+use crate::codes;
 use crate::courses;
 use crate::overrides;
 use crate::problem::{Problem, Problems, Source};
@@ -35,10 +36,7 @@ pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Loaded, Probl
             _ => "check the path and its permissions",
         };
         let source = Source { name: name.clone(), text: String::new() };
-        Problems::new(
-            &source,
-            vec![Problem::error("tdem::case::unreadable", format!("cannot read {name}: {e}")).help(help)],
-        )
+        Problems::new(&source, vec![Problem::new(codes::UNREADABLE, format!("cannot read {name}: {e}")).help(help)])
     })?;
     let base_dir = path.parent().unwrap_or(Path::new("")).to_owned();
     parse(&name, &text, &base_dir, overrides)
@@ -62,7 +60,7 @@ pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[(String, Stri
     let mut case: Case = toml::from_str(&effective).map_err(|e| {
         // The schema let it pass, so this is rare: a number that only the type refuses.
         fail(vec![
-            Problem::error("tdem::case::invalid", "the case cannot be read")
+            Problem::new(codes::INVALID, "the case cannot be read")
                 .at(e.span().unwrap_or(0..0), e.message().to_owned()),
         ])
     })?;

@@ -1,6 +1,7 @@
 //! Materials and what happens between each two of them.
 
 use crate::build::Conducting;
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{Case, Damping, Interaction as Given, Model, Tangential};
 use crate::tree::Node;
@@ -94,8 +95,8 @@ impl Materials {
             tree.place(&["interaction", &(case.interaction.len() - 1).to_string(), "between"])
         };
         vec![
-            Problem::error(
-                "tdem::case::missing-interaction",
+            Problem::new(
+                codes::MISSING_INTERACTION,
                 format!("nothing says what happens between {}", pairs.join(" and ")),
             )
             .at(

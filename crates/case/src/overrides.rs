@@ -1,5 +1,6 @@
 //! Presets and `--set`: changes to the text of a case before it is read, so that every message can show its line.
 
+use crate::codes;
 use crate::problem::Problem;
 use crate::structure::suggestion;
 use crate::tree::Node;
@@ -24,7 +25,7 @@ pub(crate) fn apply(text: &str, overrides: &[(String, String)]) -> Result<String
 
 /// A span for each problem is impossible here: the text it would point into is the command line.
 fn refused(path: &str, value: &str, why: &str) -> Problem {
-    Problem::error("tdem::case::bad-override", format!("--set {path}={value}: {why}"))
+    Problem::new(codes::BAD_OVERRIDE, format!("--set {path}={value}: {why}"))
 }
 
 fn preset(document: &mut DocumentMut, text: &str, problems: &mut Vec<Problem>) {
@@ -37,7 +38,7 @@ fn preset(document: &mut DocumentMut, text: &str, problems: &mut Vec<Problem>) {
     let Some(overlay) = overlay.as_ref().and_then(Item::as_table_like) else {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let help = if names.is_empty() { "the case defines no [sizes]".to_owned() } else { suggestion(&size, &names) };
-        let problem = Problem::error("tdem::case::unknown-size", format!("there is no preset `{size}`")).help(help);
+        let problem = Problem::new(codes::UNKNOWN_SIZE, format!("there is no preset `{size}`")).help(help);
         // The presets are shown where the choice itself came from the command line.
         let tree = Node::parse(text).ok();
         let place = tree.and_then(|tree| tree.get(&["size"]).or(tree.get(&["sizes"])).map(|node| node.span.clone()));

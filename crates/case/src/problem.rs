@@ -1,5 +1,6 @@
 //! What is wrong with a case, and where.
 
+use crate::code::Code;
 use std::fmt;
 use std::ops::Range;
 
@@ -33,7 +34,7 @@ pub struct Label {
 /// One thing that is wrong: what, where, why, and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// Stable code, such as `tdem::case::unknown-key`.
+    /// Stable code, such as `tdem::case::unknown-key`; [`codes`](mod@crate::codes) explains it.
     pub code: &'static str,
     /// How bad it is.
     pub severity: Severity,
@@ -46,11 +47,9 @@ pub struct Problem {
 }
 
 impl Problem {
-    pub(crate) fn error(code: &'static str, message: impl Into<String>) -> Self {
-        Problem { code, severity: Severity::Error, message: message.into(), labels: Vec::new(), help: None }
-    }
-    pub(crate) fn warning(code: &'static str, message: impl Into<String>) -> Self {
-        Problem { severity: Severity::Warning, ..Problem::error(code, message) }
+    pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
+        let Code { name, severity, .. } = code;
+        Problem { code: name, severity, message: message.into(), labels: Vec::new(), help: None }
     }
     pub(crate) fn at(mut self, span: Range<usize>, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
@@ -175,7 +174,7 @@ mod tests {
     #[test]
     fn labels_underline_their_place() {
         let source = Source { name: "a.toml".into(), text: "x = 1\ny = 22\n".into() };
-        let problem = Problem::error("tdem::case::test", "bad").at(10..12, "here").help("do this");
+        let problem = Problem::new(crate::codes::SYNTAX, "bad").at(10..12, "here").help("do this");
         let shown = Problems::new(&source, vec![problem]).to_string();
         assert!(shown.contains("a.toml:2:5"), "{shown}");
         assert!(shown.contains("^^ here"), "{shown}");

@@ -1,5 +1,6 @@
 //! How long a run lasts and when it writes.
 
+use crate::codes;
 use crate::load::Loaded;
 use crate::problem::{Problem, number};
 use crate::schema::{Case, Output, Positive, Precision};
@@ -58,7 +59,7 @@ pub(crate) fn endless(loaded: &Loaded, dt: f64) -> Option<Problem> {
     const MOST: f64 = (1_u64 << 53) as f64;
     let steps = loaded.case.time.end.get() / dt;
     (steps > MOST).then(|| {
-        Problem::error("tdem::case::endless", format!("the run would take {} steps of {} s", number(steps), number(dt)))
+        Problem::new(codes::ENDLESS, format!("the run would take {} steps of {} s", number(steps), number(dt)))
             .at(loaded.tree.place(&["time", "end"]), "too long for steps like these")
             .help("`tdem check` tells what limits the step once the run is shorter; a time scale of heat may be too large")
     })

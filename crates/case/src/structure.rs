@@ -1,5 +1,6 @@
 //! Checks a file against the schema: keys, types, ranges, choices. Finds everything at once, which `serde` cannot.
 
+use crate::codes;
 use crate::problem::Problem;
 use crate::tree::{Node, Value};
 use serde_json::Value as Json;
@@ -71,7 +72,7 @@ impl<'s> Checker<'s> {
             (Value::Integer(value), "integer") => {
                 if schema.get("format").and_then(Json::as_str) == Some("uint32") && *value > i64::from(u32::MAX) {
                     let message = format!("`{path}` is {value}, more than {}", u32::MAX);
-                    let problem = Problem::error("tdem::case::out-of-range", message);
+                    let problem = Problem::new(codes::OUT_OF_RANGE, message);
                     self.problems.push(problem.at(node.span.clone(), "too large"));
                 }
                 self.range(node, *value as f64, schema, path, unit);
@@ -85,9 +86,8 @@ impl<'s> Checker<'s> {
 
     fn wrong_type(&mut self, node: &Node, expected: &str, path: &str) {
         let what = if path.is_empty() { "the case".to_owned() } else { format!("`{path}`") };
-        let mut problem =
-            Problem::error("tdem::case::wrong-type", format!("{what} is {}, but must be {expected}", node.kind()))
-                .at(node.span.clone(), format!("expected {expected}"));
+        let mut problem = Problem::new(codes::WRONG_TYPE, format!("{what} is {}, but must be {expected}", node.kind()))
+            .at(node.span.clone(), format!("expected {expected}"));
         if matches!(&node.value, Value::String(text) if text.trim().starts_with(|c: char| c.is_ascii_digit() || c == '-'))
             && expected.contains("number")
         {
@@ -115,11 +115,8 @@ impl<'s> Checker<'s> {
         };
         let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
         self.problems.push(
-            Problem::error(
-                "tdem::case::out-of-range",
-                format!("`{path}` is {value}{unit}, but must be {allowed}{unit}"),
-            )
-            .at(node.span.clone(), format!("must be {allowed}{unit}")),
+            Problem::new(codes::OUT_OF_RANGE, format!("`{path}` is {value}{unit}, but must be {allowed}{unit}"))
+                .at(node.span.clone(), format!("must be {allowed}{unit}")),
         );
     }
 
@@ -129,8 +126,8 @@ impl<'s> Checker<'s> {
         if items.len() < least || items.len() > most {
             let allowed = if least == most { format!("{least}") } else { format!("at least {least}") };
             self.problems.push(
-                Problem::error(
-                    "tdem::case::wrong-length",
+                Problem::new(
+                    codes::WRONG_LENGTH,
                     format!("`{path}` has {} entries, but must have {allowed}", items.len()),
                 )
                 .at(node.span.clone(), format!("expected {allowed} entries")),
@@ -158,7 +155,7 @@ impl<'s> Checker<'s> {
                 _ => {
                     let known: Vec<&str> = properties.map_or(Vec::new(), |p| p.keys().map(String::as_str).collect());
                     self.problems.push(
-                        Problem::error("tdem::case::unknown-key", format!("unknown key `{}`", join(&key.name)))
+                        Problem::new(codes::UNKNOWN_KEY, format!("unknown key `{}`", join(&key.name)))
                             .at(key.span.clone(), "not a key of this table")
                             .help(suggestion(&key.name, &known)),
                     );
@@ -177,7 +174,7 @@ impl<'s> Checker<'s> {
             };
             let place = if path.is_empty() { 0..0 } else { node.span.clone() };
             self.problems.push(
-                Problem::error("tdem::case::missing-key", format!("`{}` is missing", join(key)))
+                Problem::new(codes::MISSING_KEY, format!("`{}` is missing", join(key)))
                     .at(place, format!("`{key}` belongs here"))
                     .help(format!("{add}: {what}").replace('\n', " ")),
             );
@@ -250,7 +247,7 @@ impl<'s> Checker<'s> {
         if !words.contains(&text.as_str()) {
             let message = format!("`{path}` is \"{text}\", but must be one of {}", listed(words.iter().copied()));
             let mut problem =
-                Problem::error("tdem::case::unknown-choice", message).at(node.span.clone(), "not one of the choices");
+                Problem::new(codes::UNKNOWN_CHOICE, message).at(node.span.clone(), "not one of the choices");
             if let Some(word) = nearest(text, words.iter().copied()) {
                 problem = problem.help(format!("did you mean `{word}`?"));
             }

@@ -1,5 +1,6 @@
 //! A case file as a tree whose every key and value knows its place in the text.
 
+use crate::codes;
 use crate::problem::Problem;
 use std::ops::Range;
 use toml::Spanned;
@@ -40,7 +41,7 @@ impl Node {
         Err(errors
             .iter()
             .map(|e| {
-                Problem::error("tdem::case::syntax", "this is not valid TOML")
+                Problem::new(codes::SYNTAX, "this is not valid TOML")
                     .at(e.span().unwrap_or(0..0), e.message().to_owned())
                     .help("text stands in quotes, tables begin with [name], arrays of tables with [[name]]")
             })

@@ -2,6 +2,7 @@
 
 use crate::bench_case;
 use crate::bench_figures;
+use crate::codes;
 use crate::console::{data, say};
 use crate::files;
 use crate::machine::{instructions, processor, width};
@@ -101,7 +102,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         Some(Benchmark::Contact(arguments)) => arguments,
     };
     let &[x, y, z] = &arguments.cells[..] else {
-        return Err(Report::new("tdem::bench::cells", "--cells takes three numbers, such as 20,20,40").into());
+        return Err(Report::new(codes::BENCH_CELLS, "--cells takes three numbers, such as 20,20,40").into());
     };
     if let Some(path) = &arguments.json {
         files::try_to_write(path)?;
@@ -123,7 +124,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             };
             say(format!("{} on {threads} ...", model.name()));
             let measured = contact(&block, &options.into())
-                .map_err(|fault| Report::new("tdem::bench::fault", format!("the benchmark broke: {fault}")))?;
+                .map_err(|fault| Report::new(codes::BENCH_FAULT, format!("the benchmark broke: {fault}")))?;
             rows.push((model, measured));
         }
     }

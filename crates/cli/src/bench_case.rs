@@ -2,6 +2,7 @@
 
 use crate::bench_stages;
 use crate::cases::{build, key_value, load};
+use crate::codes;
 use crate::console::{data, say};
 use crate::device::{Choice, Found, word};
 use crate::files;
@@ -123,7 +124,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             say(format!("{model} on {} ...", found.name));
             let measured = phase
                 .measure(built.state.clone(), plan, &found.device)
-                .map_err(|fault| Report::new("tdem::bench::fault", format!("the benchmark broke: {fault}")))?;
+                .map_err(|fault| Report::new(codes::BENCH_FAULT, format!("the benchmark broke: {fault}")))?;
             rows.push(Row { model: model.clone(), found, measured });
         }
     }

@@ -1,5 +1,6 @@
 //! `tdem bench --paper-figures`: the paper's figures 3 to 7 on this machine, beside what it prints.
 
+use crate::codes;
 use crate::console::{data, say};
 use crate::device::{Choice, Found, word};
 use crate::files;
@@ -154,13 +155,13 @@ fn line(found: &Measured, machine: &Machine, count: usize, planned: usize) -> St
 fn told(failure: Failure) -> Reports {
     match failure {
         Failure::Case { problems, .. } => problems.into(),
-        Failure::Fault { .. } => Report::new("tdem::bench::fault", format!("the benchmark broke: {failure}")).into(),
+        Failure::Fault { .. } => Report::new(codes::BENCH_FAULT, format!("the benchmark broke: {failure}")).into(),
     }
 }
 
 fn write(folder: &Path, record: &Record) -> Result<(), Reports> {
     let json = record.json().map_err(|error| {
-        Report::new("tdem::bench::json", format!("the measurements cannot be written as JSON: {error}"))
+        Report::new(codes::BENCH_JSON, format!("the measurements cannot be written as JSON: {error}"))
     })?;
     files::write(&folder.join("bench.json"), json.as_bytes())?;
     draw(folder, record)
@@ -194,7 +195,7 @@ fn machines(arguments: &Arguments) -> Result<Vec<Machine>, Reports> {
 
 fn machine(found: &Found) -> Result<Machine, Reports> {
     let operations_per_second = found.device.arithmetic_rate().map_err(|fault| {
-        Report::new("tdem::bench::fault", format!("{}: arithmetic cannot be measured: {fault}", found.name))
+        Report::new(codes::BENCH_FAULT, format!("{}: arithmetic cannot be measured: {fault}", found.name))
     })?;
     Ok(Machine {
         device: found.device,

@@ -1,6 +1,7 @@
 //! `tdem calibrate`: which bonds give the packing of a case the values of a solid.
 
 use crate::cases;
+use crate::codes;
 use crate::console::{data, say};
 use crate::render::{self, Report, Reports};
 use crate::units::{counted, number, short};
@@ -92,36 +93,36 @@ fn report(error: Error) -> Reports {
     let message = error.to_string();
     let (code, help) = match error {
         Error::PoissonOutOfReach { .. } => (
-            "tdem::calibrate::poisson-out-of-reach",
+            codes::CALIBRATE_POISSON,
             "ask for a value in between; other packings, or a larger `gap`, have other ranges",
         ),
         Error::Uniaxial(error) => match error {
             Untested::NoBonds => (
-                "tdem::calibrate::not-bonded",
+                codes::CALIBRATE_NOT_BONDED,
                 "a case with [[bond]] is needed, whose particles are near enough to each other",
             ),
             Untested::SeveralKinds { .. } => {
-                ("tdem::calibrate::several-materials", "calibrate each material on a case of its own")
+                (codes::CALIBRATE_SEVERAL_MATERIALS, "calibrate each material on a case of its own")
             }
             Untested::Periodic => {
-                ("tdem::calibrate::periodic", "take `periodic` out of the [domain], with walls in its place")
+                (codes::CALIBRATE_PERIODIC, "take `periodic` out of the [domain], with walls in its place")
             }
             Untested::NotSpanning { .. } => (
-                "tdem::calibrate::not-spanning",
+                codes::CALIBRATE_NOT_SPANNING,
                 "raise the `gap` of the [[bond]], pack closer, or test along another --axis",
             ),
             Untested::Unbreakable => (
-                "tdem::calibrate::unbreakable",
+                codes::CALIBRATE_UNBREAKABLE,
                 "give the [[bond]] a tensile_strength and a shear_strength: their ratio is kept",
             ),
             Untested::DoesNotBreak { .. } => {
-                ("tdem::calibrate::does-not-break", "tensile and shear strength that are less far apart let it break")
+                (codes::CALIBRATE_DOES_NOT_BREAK, "tensile and shear strength that are less far apart let it break")
             }
             Untested::Statics(_) => (
-                "tdem::calibrate::loose",
+                codes::CALIBRATE_LOOSE,
                 "particles that hang by too little cannot be held; raise the `gap` of the [[bond]]",
             ),
-            Untested::Fault(_) => ("tdem::calibrate::fault", "see whether the case runs with `tdem run`"),
+            Untested::Fault(_) => (codes::CALIBRATE_FAULT, "see whether the case runs with `tdem run`"),
         },
     };
     Report::new(code, message).help(help).into()

@@ -47,7 +47,7 @@ pub(crate) fn run(directory: &Path) -> Result<State, String> {
 /// The case that a run keeps.
 pub(crate) fn kept(loaded: &Loaded, built: &Built) -> Result<String, Reports> {
     let kept = loaded.kept(built);
-    kept.map_err(|error| Report::new("tdem::case::step", format!("the time step cannot be used: {error}")).into())
+    kept.map_err(|error| Report::new(tdem_case::codes::STEP, format!("the time step cannot be used: {error}")).into())
 }
 
 /// What frames hold.

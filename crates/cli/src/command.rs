@@ -1,8 +1,8 @@
 //! What stands on the command line, and who answers it.
 
 use crate::{
-    bench, calibrate, check, console, info, kernels, ladder, new, pack, picture, render, report, resume, run, shell,
-    verify,
+    bench, calibrate, check, console, explain, info, kernels, ladder, new, pack, picture, render, report, resume, run,
+    shell, verify,
 };
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 
 #[derive(Debug, Parser)]
-#[command(name = "tdem", version, about, long_about = LONG_ABOUT, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "tdem", version, about, long_about = LONG_ABOUT, after_help = ending(), max_term_width = 100)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -32,8 +32,17 @@ Examples:
   tdem resume runs/silo            go on after an interruption, exactly
   tdem picture runs/silo           a quick look without ParaView
   tdem report runs/silo            a page about it: pictures, histories, warnings
+  tdem explain through-wall        what the code of an error means, and what to do";
 
-Exit codes: 0 done, 1 the case or the run failed, 2 wrong usage, 128 + signal interrupted.";
+/// How the program ends.
+pub(crate) const EXIT_CODES: [(&str, &str); 4] =
+    [("0", "done"), ("1", "the case or the run failed"), ("2", "wrong usage"), ("128 + signal", "interrupted")];
+
+/// What stands below the help.
+fn ending() -> String {
+    let exits = EXIT_CODES.map(|(exit, what)| format!("{exit} {what}"));
+    format!("{EXAMPLES}\n\nExit codes: {}.", exits.join(", "))
+}
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -61,6 +70,8 @@ enum Command {
     Ladder(ladder::Arguments),
     /// Measure how fast this machine is
     Bench(bench::Arguments),
+    /// Tell what the code of an error or a warning means, and what to do
+    Explain(explain::Arguments),
     /// Print the kernels of a case: the laws and what calls them, as OpenCL and CUDA compile them
     Kernels(kernels::Arguments),
     /// Print the JSON schema of case files, for editors
@@ -86,6 +97,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Calibrate(arguments) => calibrate::execute(&arguments),
         Command::Ladder(arguments) => ladder::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Explain(arguments) => explain::execute(&arguments),
         Command::Kernels(arguments) => kernels::execute(&arguments),
         Command::Schema => shell::schema(),
         Command::Completions(arguments) => shell::completions(&arguments),

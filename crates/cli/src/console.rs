@@ -1,5 +1,6 @@
 //! The only two ways out: data to standard output, everything else to standard error.
 
+use crate::codes;
 use crate::render::{Report, Reports};
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
@@ -11,7 +12,7 @@ use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 pub(crate) fn data(text: impl Display) -> Result<(), Reports> {
     match writeln!(stdout(), "{text}").and_then(|()| stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Report::new("tdem::cli::output", format!("cannot write to standard output: {error}")).into())
+            Err(Report::new(codes::OUTPUT, format!("cannot write to standard output: {error}")).into())
         }
         _ => Ok(()),
     }

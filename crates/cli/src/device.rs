@@ -1,5 +1,6 @@
 //! Which device the command line asks for.
 
+use crate::codes;
 use crate::machine::instructions;
 use crate::render::{Report, Reports};
 use crate::units::counted;
@@ -122,6 +123,6 @@ fn refusal(api: Api, index: Option<usize>, survey: Survey) -> Report {
     if let (true, Some(index)) = (reasons.is_empty(), index) {
         reasons.push(format!("there is no device {}:{index}", word(api)));
     }
-    Report::new("tdem::device::missing", reasons.join("\n"))
+    Report::new(codes::DEVICE_MISSING, reasons.join("\n"))
         .help("`tdem info` lists the devices that there are; --device cpu works everywhere, with the same bits")
 }

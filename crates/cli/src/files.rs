@@ -1,5 +1,6 @@
 //! Files that this program writes itself.
 
+use crate::codes;
 use crate::render::{Report, Reports};
 use crate::units::argument;
 use std::fs;
@@ -54,7 +55,7 @@ pub(crate) fn remove(path: &Path) -> Result<(), Reports> {
 
 /// A file or folder could not be written.
 pub(crate) fn refused(path: &Path, error: &std::io::Error) -> Reports {
-    Report::new("tdem::cli::write", format!("cannot write {}: {error}", argument(path)))
+    Report::new(codes::WRITE, format!("cannot write {}: {error}", argument(path)))
         .help("check that the folder exists and may be written, and that the disk is not full")
         .into()
 }

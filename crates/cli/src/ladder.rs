@@ -1,5 +1,6 @@
 //! `tdem ladder`: what it costs to let the heat of a case go faster than its motion, or in long steps.
 
+use crate::codes;
 use crate::console::{data, say};
 use crate::machine::Machine;
 use crate::progress::Meter;
@@ -89,7 +90,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if earlier == Earlier::Refuse && is_there(&out, arguments.rungs) {
         let out = argument(&out);
         let help = "go on with it: add --resume\nreplace it: add --overwrite\nkeep both: add --out DIR";
-        return Err(Report::new("tdem::ladder::exists", format!("{out} holds a ladder already")).help(help).into());
+        return Err(Report::new(codes::LADDER_EXISTS, format!("{out} holds a ladder already")).help(help).into());
     }
     arguments.machine.prepare()?;
     let device = arguments.machine.find()?;
@@ -136,7 +137,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let complete = format!("{} of {} rungs are complete", ladder.complete(), arguments.rungs);
     if let Some(Failure { label, fault }) = ladder.failure {
         let message = format!("rung {label} of the ladder came to no end, as above; {complete}");
-        let stopped = Report::new("tdem::ladder::fault", message);
+        let stopped = Report::new(codes::LADDER_FAULT, message);
         return Err(Reports::from(fault).and(stopped.help("`tdem run` shows how far the case gets by itself")));
     }
     let stopped = signals.caught().filter(|_| ladder.complete() < arguments.rungs as usize);
@@ -214,21 +215,21 @@ fn line(progress: &Progress<'_>) -> String {
 fn report(error: Error) -> Reports {
     let message = error.to_string();
     let (code, help) = match error {
-        Error::NoHeat => ("tdem::ladder::no-heat", "a case with a table [heat] is needed, such as cases/heating.toml"),
+        Error::NoHeat => (codes::LADDER_NO_HEAT, "a case with a table [heat] is needed, such as cases/heating.toml"),
         Error::NotAccelerated { .. } => (
-            "tdem::ladder::not-accelerated",
+            codes::LADDER_NOT_ACCELERATED,
             "give the heat a `time_scale` above 1, or a `duration` longer than time.end",
         ),
-        Error::TooManyRungs { .. } => ("tdem::ladder::too-many-rungs", "ask for fewer with --rungs"),
+        Error::TooManyRungs { .. } => (codes::LADDER_TOO_MANY_RUNGS, "ask for fewer with --rungs"),
         Error::FollowsMotion { .. } => (
-            "tdem::ladder::follows-motion",
+            codes::LADDER_FOLLOWS_MOTION,
             "hold it still or make it constant, with --set if only for this; constant forces and gravity may be there",
         ),
         Error::Refused { label, problems } => {
             let message = format!("the case is refused on rung {label} of the ladder, as above");
-            return Reports::from(problems).and(Report::new("tdem::ladder::refused", message));
+            return Reports::from(problems).and(Report::new(codes::LADDER_REFUSED, message));
         }
-        Error::OutOfRange(_) => ("tdem::ladder::out-of-range", "ask for fewer rungs with --rungs"),
+        Error::OutOfRange(_) => (codes::LADDER_OUT_OF_RANGE, "ask for fewer rungs with --rungs"),
     };
     Report::new(code, message).help(help).into()
 }
@@ -238,10 +239,10 @@ fn halted(halt: Halt) -> Reports {
     let message = halt.to_string();
     let (code, help) = match halt {
         Halt::Different => {
-            ("tdem::ladder::different", "no case should cause this: please report it with the case and the command")
+            (codes::LADDER_DIFFERENT, "no case should cause this: please report it with the case and the command")
         }
         Halt::OtherCase { .. } => {
-            ("tdem::ladder::other-case", "begin anew: add --overwrite in place of --resume\nkeep both: add --out DIR")
+            (codes::LADDER_OTHER_CASE, "begin anew: add --overwrite in place of --resume\nkeep both: add --out DIR")
         }
         Halt::Results(error) => return error.into(),
     };

@@ -1,5 +1,6 @@
 //! On what a run is computed.
 
+use crate::codes;
 use crate::device::{Choice, Found};
 use crate::render::{Report, Reports};
 use clap::{Args, ValueEnum};
@@ -37,7 +38,7 @@ impl Machine {
     pub(crate) fn prepare(&self) -> Result<(), Reports> {
         let threads = usize::from(self.threads.unwrap_or(0));
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(|error| {
-            Report::new("tdem::cli::threads", format!("cannot start the threads: {error}"))
+            Report::new(codes::CLI_THREADS, format!("cannot start the threads: {error}"))
                 .help("ask for fewer, --threads 1")
                 .into()
         })

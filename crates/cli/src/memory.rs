@@ -1,5 +1,6 @@
 //! Whether a run fits into the memory of this machine.
 
+use crate::codes;
 use crate::render::{self, Report};
 use crate::units::bytes;
 use tdem_case::Memory;
@@ -15,7 +16,7 @@ pub(crate) fn warn(memory: &Memory) {
 fn too_little(needed: u64, available: u64) -> Option<Report> {
     let message = format!("the run needs about {} of memory, of which {} are free", bytes(needed), bytes(available));
     (needed > available).then(|| {
-        Report::warning("tdem::cli::memory", message)
+        Report::new(codes::MEMORY, message)
             .help("take fewer particles, a model without moments, or output.ledger = false; or a larger machine")
     })
 }

@@ -1,5 +1,6 @@
 //! `tdem new`: a case to begin with.
 
+use crate::codes;
 use crate::console::say;
 use crate::files::refused;
 use crate::render::{Report, Reports};
@@ -24,11 +25,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     }
     let title = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut file = OpenOptions::new().write(true).create_new(true).open(&path).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => {
-            Report::new("tdem::cli::file-exists", format!("{} exists already", argument(&path)))
-                .help("choose another name; no case is ever overwritten")
-                .into()
-        }
+        ErrorKind::AlreadyExists => Report::new(codes::FILE_EXISTS, format!("{} exists already", argument(&path)))
+            .help("choose another name; no case is ever overwritten")
+            .into(),
         _ => refused(&path, &error),
     })?;
     if let Err(error) = file.write_all(tdem_case::starter(&title).as_bytes()) {

@@ -1,6 +1,7 @@
 //! `tdem picture`: a quick look.
 
 use crate::cases;
+use crate::codes;
 use crate::console::{data, say};
 use crate::files::{self, refused};
 use crate::render::{Report, Reports};
@@ -194,10 +195,7 @@ fn choose(arguments: &Arguments, plan: &Plan) -> Result<State, Reports> {
         return Err(Error::NoCheckpoint { damaged: 0, path: run.clone() }.into());
     };
     checkpoint::read(&nearest.path).map_err(|damage| {
-        Report::new(
-            "tdem::results::damaged-checkpoint",
-            format!("a checkpoint is damaged, {damage}: {}", argument(&nearest.path)),
-        )
-        .into()
+        Report::new(codes::NO_CHECKPOINT, format!("a checkpoint is damaged, {damage}: {}", argument(&nearest.path)))
+            .into()
     })
 }

@@ -8,7 +8,7 @@ use miette::{
 };
 use std::fmt;
 use std::sync::Arc;
-use tdem_case::{Problem, Problems};
+use tdem_case::{Code, Problem, Problems};
 
 pub(crate) use miette::Severity;
 
@@ -56,12 +56,9 @@ impl SourceCode for Text {
 pub(crate) struct Reports(Vec<Report>);
 
 impl Report {
-    pub(crate) fn new(code: &'static str, message: impl Into<String>) -> Self {
-        let message = message.into();
-        Report { code, severity: Severity::Error, message, help: None, source: None, labels: Vec::new() }
-    }
-    pub(crate) fn warning(code: &'static str, message: impl Into<String>) -> Self {
-        Report { severity: Severity::Warning, ..Report::new(code, message) }
+    pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
+        let (severity, message) = (seen(code.severity), message.into());
+        Report { code: code.name, severity, message, help: None, source: None, labels: Vec::new() }
     }
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
@@ -82,10 +79,7 @@ impl Report {
         });
         Report {
             code: problem.code,
-            severity: match problem.severity {
-                tdem_case::Severity::Error => Severity::Error,
-                tdem_case::Severity::Warning => Severity::Warning,
-            },
+            severity: seen(problem.severity),
             message: problem.message.clone(),
             help: problem.help.clone(),
             source: (!problem.labels.is_empty()).then(|| Arc::clone(source)),
@@ -95,10 +89,23 @@ impl Report {
 }
 
 impl Reports {
+    /// The code of the first.
+    #[cfg(test)]
+    pub(crate) fn first_code(&self) -> Option<&'static str> {
+        self.0.first().map(|report| report.code)
+    }
     /// The same with one more behind.
     pub(crate) fn and(mut self, report: Report) -> Self {
         self.0.push(report);
         self
+    }
+}
+
+/// A severity as miette has it.
+fn seen(severity: tdem_case::Severity) -> Severity {
+    match severity {
+        tdem_case::Severity::Error => Severity::Error,
+        tdem_case::Severity::Warning => Severity::Warning,
     }
 }
 
@@ -164,10 +171,19 @@ impl fmt::Display for Shown<'_> {
 /// Reports as they are shown: with lines and colours on a terminal, plain and unbroken elsewhere. Without any
 /// report there is no text.
 pub(crate) fn text(reports: &Reports) -> String {
-    let watched = console::watched();
+    drawn(reports, console::watched(), console::colours())
+}
+
+/// Reports as they are shown where nobody watches.
+#[cfg(test)]
+pub(crate) fn plain(reports: &Reports) -> String {
+    drawn(reports, false, false)
+}
+
+fn drawn(reports: &Reports, watched: bool, colours: bool) -> String {
     let options = MietteHandlerOpts::new()
         .unicode(watched)
-        .color(console::colours())
+        .color(colours)
         .terminal_links(false)
         .wrap_lines(watched)
         .context_lines(1);

@@ -1,6 +1,7 @@
 //! `tdem resume`: a run goes on from its last good checkpoint.
 
 use crate::cases;
+use crate::codes;
 use crate::console::say;
 use crate::render::{self, Report, Reports};
 use crate::signals::Signals;
@@ -44,16 +45,16 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let schedule = arguments.work.schedule(built.schedule);
     let Resumed { directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
     for damaged in &damaged {
-        let told = Report::warning("tdem::results::damaged-checkpoint", damaged.to_string());
+        let told = Report::new(codes::DAMAGED_CHECKPOINT, damaged.to_string());
         render::warn(&told.help("the one before it is used; steps since then are computed again").into());
     }
     for unreadable in &unreadable_frames {
-        render::warn(&Report::warning("tdem::results::unreadable-frame", unreadable.to_string()).into());
+        render::warn(&Report::new(codes::UNREADABLE_FRAME, unreadable.to_string()).into());
     }
     let state = match state {
         Some(state) if !cases::belongs(&state, &built) => {
             return Err(Report::new(
-                "tdem::results::other-case",
+                codes::RESULTS_OTHER_CASE,
                 format!("the checkpoint of step {} does not belong to {}", state.step, argument(&case)),
             )
             .help(

@@ -1,6 +1,7 @@
 //! Ctrl-C, SIGTERM and SIGHUP: the first asks for a checkpoint and an end, the second ends at once. Before there is
 //! anything to checkpoint, the first ends at once.
 
+use crate::codes;
 use crate::render::{Report, Reports};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator;
@@ -27,8 +28,7 @@ impl Signals {
     /// From now on, signals are caught. This comes before drivers of devices are loaded: some of them (PoCL) handle
     /// signals as well, and do so only once, for whoever was there before them.
     pub(crate) fn catch() -> Result<Self, Reports> {
-        Self::listen()
-            .map_err(|error| Report::new("tdem::cli::signals", format!("cannot catch signals: {error}")).into())
+        Self::listen().map_err(|error| Report::new(codes::SIGNALS, format!("cannot catch signals: {error}")).into())
     }
 
     fn listen() -> io::Result<Self> {

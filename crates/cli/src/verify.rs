@@ -1,5 +1,6 @@
 //! `tdem verify`: the engine against closed forms and published values.
 
+use crate::codes;
 use crate::console::{data, say};
 use crate::device::{Choice, word};
 use crate::render::{Report, Reports};
@@ -143,7 +144,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Case>, Reports> {
         if !all.iter().any(|case| answers_to(case, name)) {
             let mut groups: Vec<&str> = all.iter().map(Case::group).collect();
             groups.dedup();
-            return Err(Report::new("tdem::verify::unknown-name", format!("there is no case or group `{name}`"))
+            return Err(Report::new(codes::UNKNOWN_NAME, format!("there is no case or group `{name}`"))
                 .help(format!("groups are {}; `tdem verify --list` shows all cases", groups.join(", ")))
                 .into());
         }

@@ -1,6 +1,7 @@
 //! What `run` and `resume` have in common: a simulation advances into its directory, watched.
 
 use crate::cases;
+use crate::codes;
 use crate::console::{data, say};
 use crate::machine::Machine;
 use crate::progress::Watch;
@@ -13,7 +14,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
-use tdem_case::{Fields, Loaded, Problems};
+use tdem_case::{Code, Fields, Loaded, Problems};
 use tdem_engine::{Fault, Schedule, Simulation, State, Turns, gpu};
 use tdem_results::curve::{self, Curve};
 use tdem_results::{Error, Event, Outcome, RunDirectory, RunError, load_final_state, session};
@@ -73,7 +74,7 @@ impl Work<'_> {
         let took = began.elapsed();
         let last = watch.finish();
         if let Some(turns) = last.and_then(|last| last.turns).filter(|turns| turns.unrelaxed > 0) {
-            render::warn(&Report::warning("tdem::run::unrelaxed", unrelaxed(&turns)).into());
+            render::warn(&Report::new(codes::UNRELAXED, unrelaxed(&turns)).into());
         }
         let path = self.directory.path().to_owned();
         let finished = matches!(outcome, Ok(Outcome::Finished { .. }));
@@ -83,7 +84,7 @@ impl Work<'_> {
             self.directory.log(&Event::Hash { step: state.step, hash: hash(state) })?;
         }
         if let Err(error) = report::at_the_end(&path, self.loaded) {
-            render::warn(&Report::warning("tdem::results::report", error.to_string()).into());
+            render::warn(&Report::new(codes::REPORT, error.to_string()).into());
         }
         // The lock is given back before anything else is read.
         drop(self.directory);
@@ -156,7 +157,7 @@ fn draw(run: &Path, curves: &[Curve]) -> Vec<PathBuf> {
     let drawn = curves.iter().filter_map(|curve| match curve::draw(run, curve) {
         Ok(path) => Some(path),
         Err(error) => {
-            render::warn(&Report::warning("tdem::results::curve", error.to_string()).into());
+            render::warn(&Report::new(codes::CURVE, error.to_string()).into());
             None
         }
     });
@@ -172,7 +173,8 @@ fn hash(state: &State) -> String {
     format!("{:032x}", state.hash())
 }
 
-fn fault_report(error: RunError, dt: f64) -> Reports {
+/// A run that stopped amid its steps.
+pub(crate) fn fault_report(error: RunError, dt: f64) -> Reports {
     match error {
         RunError::Results(error) => error.into(),
         RunError::Fault { fault, checkpoint, path } => {
@@ -239,21 +241,21 @@ fn device_help(error: &gpu::Error) -> &'static str {
     }
 }
 
-fn fault_code(fault: &Fault) -> &'static str {
+fn fault_code(fault: &Fault) -> Code {
     match fault {
-        Fault::NotFinite { .. } => "tdem::run::not-finite",
-        Fault::Escaped { .. } => "tdem::run::escaped",
-        Fault::Temperature { .. } => "tdem::run::temperature",
-        Fault::Conduction { .. } => "tdem::run::conduction",
-        Fault::Overlap { .. } => "tdem::run::overlap",
-        Fault::ListOverflow { .. } => "tdem::run::list-overflow",
-        Fault::BoxTooSmall { .. } => "tdem::run::box-too-small",
-        Fault::Threads { .. } => "tdem::run::threads",
-        Fault::Inconsistent { .. } => "tdem::run::inconsistent",
-        Fault::Device(gpu::Error::Missing { .. }) => "tdem::device::missing",
-        Fault::Device(gpu::Error::OutOfMemory { .. }) => "tdem::device::out-of-memory",
-        Fault::Device(gpu::Error::Compile { .. }) => "tdem::device::compile",
-        Fault::Device(gpu::Error::Call { .. }) => "tdem::device::call",
+        Fault::NotFinite { .. } => codes::NOT_FINITE,
+        Fault::Escaped { .. } => codes::ESCAPED,
+        Fault::Temperature { .. } => codes::TEMPERATURE,
+        Fault::Conduction { .. } => codes::CONDUCTION,
+        Fault::Overlap { .. } => codes::OVERLAP,
+        Fault::ListOverflow { .. } => codes::LIST_OVERFLOW,
+        Fault::BoxTooSmall { .. } => codes::BOX_TOO_SMALL,
+        Fault::Threads { .. } => codes::RUN_THREADS,
+        Fault::Inconsistent { .. } => codes::INCONSISTENT,
+        Fault::Device(gpu::Error::Missing { .. }) => codes::DEVICE_MISSING,
+        Fault::Device(gpu::Error::OutOfMemory { .. }) => codes::OUT_OF_MEMORY,
+        Fault::Device(gpu::Error::Compile { .. }) => codes::DEVICE_COMPILE,
+        Fault::Device(gpu::Error::Call { .. }) => codes::DEVICE_CALL,
     }
 }
 
@@ -280,34 +282,29 @@ impl From<Error> for Reports {
                 let help = format!(
                     "go on with it: `tdem resume {path}`\nreplace it: add --overwrite\nkeep both: add --out DIR"
                 );
-                return Report::new("tdem::results::run-exists", format!("{path} holds a run already"))
-                    .help(help)
-                    .into();
+                return Report::new(codes::RUN_EXISTS, format!("{path} holds a run already")).help(help).into();
             }
             Error::NotARun { path } => {
                 return Report::new(
-                    "tdem::results::not-a-run",
+                    codes::NOT_A_RUN,
                     format!("{} is not a run: there is no `case.toml` in it", run(path)),
                 )
                 .help("name the directory that `tdem run` made; without --out it is runs/<name of the case file>")
                 .into();
             }
-            Error::DiskFull { .. } => ("tdem::results::disk-full", None),
-            Error::Io { .. } => (
-                "tdem::results::io",
-                Some("check that the path exists, that it may be written, and that the disk is there"),
-            ),
-            Error::Format { .. } => ("tdem::results::format", None),
-            Error::Locked { .. } => ("tdem::results::locked", None),
-            Error::Occupied { .. } => ("tdem::results::occupied", Some("choose another directory with --out")),
-            Error::NoCheckpoint { .. } => ("tdem::results::no-checkpoint", None),
-            Error::NoFrames { .. } => {
-                ("tdem::results::no-frames", Some("a case writes frames unless it says output.frames = 0"))
+            Error::DiskFull { .. } => (codes::DISK_FULL, None),
+            Error::Io { .. } => {
+                (codes::IO, Some("check that the path exists, that it may be written, and that the disk is there"))
             }
-            Error::HistoryColumns { .. } => ("tdem::results::history-columns", None),
-            Error::PictureSize { .. } => ("tdem::results::picture-size", None),
-            Error::Picture { .. } => ("tdem::results::picture", None),
-            Error::NoColumn { .. } | Error::Drawing { .. } => ("tdem::results::curve", None),
+            Error::Format { .. } => (codes::FORMAT, None),
+            Error::Locked { .. } => (codes::LOCKED, None),
+            Error::Occupied { .. } => (codes::OCCUPIED, Some("choose another directory with --out")),
+            Error::NoCheckpoint { .. } => (codes::NO_CHECKPOINT, None),
+            Error::NoFrames { .. } => (codes::NO_FRAMES, Some("a case writes frames unless it says output.frames = 0")),
+            Error::HistoryColumns { .. } => (codes::HISTORY_COLUMNS, None),
+            Error::PictureSize { .. } => (codes::PICTURE_SIZE, None),
+            Error::Picture { .. } => (codes::PICTURE, None),
+            Error::NoColumn { .. } | Error::Drawing { .. } => (codes::CURVE, None),
         };
         let report = Report::new(code, error.to_string());
         match help {

@@ -141,6 +141,20 @@ fn verify_judges() {
     room.tdem(&["verify", "nonsense"]).exits(1).complains(&["tdem::verify::unknown-name", "--list"]);
 }
 
+#[test]
+fn codes_are_explained() {
+    let room = Room::new();
+    let all = room.tdem(&["explain"]).exits(0).out;
+    for part in ["tdem::case::through-wall", "tdem::run::escaped", "tdem::results::locked", "exit code 128 + signal"] {
+        assert!(all.lines().any(|line| line.starts_with(part)), "`{part}` is not in:\n{all}");
+    }
+    let one = room.tdem(&["explain", "through-wall"]).exits(0).out;
+    assert!(one.starts_with("error tdem::case::through-wall\n\n") && one.contains("normal of a wall"), "{one}");
+    let both = room.tdem(&["explain", "overlap"]).exits(0).out;
+    assert!(both.contains("tdem::case::overlap") && both.contains("tdem::run::overlap"), "{both}");
+    room.tdem(&["explain", "wall"]).exits(1).complains(&["tdem::cli::unknown-code", "tdem explain"]);
+}
+
 const ROCK: &str = r#"
 model = "BPM"
 gravity = [0.0, 0.0, 0.0]

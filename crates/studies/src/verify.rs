@@ -34,7 +34,7 @@ mod statics;
 mod strength;
 mod thermal;
 
-pub use format::{markdown, table};
+pub use format::{escaped, markdown, table};
 
 use scene::Bench;
 use std::time::Instant;
@@ -79,6 +79,25 @@ impl Case {
         self.name.split_once('/').map_or(self.name, |(group, _)| group)
     }
 }
+
+/// Groups of cases, in the order of the catalogue, and what they are about.
+pub const GROUPS: [(&str, &str); 15] = [
+    ("contact", "impacts of two bodies, head-on and oblique, with damping and friction"),
+    ("plane", "one sphere or two on a floor or an incline: falling, resting, bouncing, rolling, sliding"),
+    ("spring", "the tangential spring of a contact by itself"),
+    ("conservation", "what the laws of motion keep: momentum, angular momentum, energy"),
+    ("integrators", "how fast errors fall with the step"),
+    ("stability", "steps just below a proven bound are stable, steps above it are not"),
+    ("search", "what may not depend on how neighbours are found, how particles are called, how space is turned"),
+    ("bulk", "random packings: what many spheres show within their scatter"),
+    ("bond", "single bonds: vibration, damping, objectivity, failure and what comes after"),
+    ("chain", "chains of bonds against the closed forms of the discrete chain"),
+    ("block", "blocks on a face-centred lattice: elasticity, waves, strength, what motion keeps"),
+    ("statics", "equilibrium without time, against closed forms, another program, and the engine at rest"),
+    ("prism", "the reinforced prism of `cases/tension.toml`: its initial stiffness"),
+    ("strength", "strength of bonded solids: what different tests on one material say of each other"),
+    ("thermal", "heat: conduction, surfaces, expansion and its stresses, balance, heat of friction and of dashpots"),
+];
 
 /// How far a value may be from what is expected.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,12 +19,29 @@ fn spec(backend: Backend) -> Vec<Outcome> {
 fn quick_tier_passes_with_equal_bits_on_every_back_end() {
     let reference = spec(Backend::CpuScalar);
     print!("{}", table(&reference));
+    stand_on_the_page(&reference);
     // A machine without OpenCL fails here.
     for backend in [Backend::CpuPortable, Backend::CpuLanes, Backend::Gpu { api: Api::OpenCl, index: 0 }] {
         for (outcome, expected) in spec(backend).iter().zip(&reference) {
             assert!(outcome.hash.is_some(), "{} keeps no state", outcome.case.name);
             assert_eq!(outcome.hash, expected.hash, "{} has other bits on {}", outcome.case.name, backend.name());
         }
+    }
+}
+
+/// The page on verification shows what is computed today, to the last digit.
+fn stand_on_the_page(outcomes: &[Outcome]) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/verification.md");
+    let page = std::fs::read_to_string(path).expect("the page on verification").replace("\r\n", "\n");
+    for outcome in outcomes {
+        let shown = markdown(std::slice::from_ref(outcome));
+        let rows: Vec<&str> = shown.lines().filter(|line| line.starts_with('|')).collect();
+        let rows = rows.join("\n");
+        let name = outcome.case.name;
+        assert!(
+            page.contains(&rows),
+            "docs/verification.md has other values: run `cargo xtask verification`\n{name}\n{rows}"
+        );
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) use vibration::Vibration;
 
 use super::Context;
 use super::draft::Draft;
+use crate::codes;
 use crate::grid::Grid;
 use crate::problem::{Problem, counted};
 use crate::rng::{Stream, uniform4};
@@ -190,7 +191,7 @@ fn carried(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut V
         let message =
             format!("nothing says how `{a}` and `{b}` are bonded, as {} of that run are", counted(count, "pair"));
         problems.push(
-            Problem::error("tdem::case::missing-bond", message)
+            Problem::new(codes::MISSING_BOND, message)
                 .at(context.place(usize::from(group), &["run", "bonds"]), "carries these bonds")
                 .help(format!("add a [[bond]] with between = [\"{a}\", \"{b}\"]")),
         );
@@ -260,8 +261,8 @@ fn near(context: &Context<'_>, draft: &Draft, given: &Given, problems: &mut Vec<
     for (pair, count) in left {
         let [a, b] = pair.map(|material| &context.materials.names[usize::from(material)]);
         problems.push(
-            Problem::warning(
-                "tdem::case::bond-missing",
+            Problem::new(
+                codes::BOND_MISSING,
                 format!(
                     "{} of `{a}` and `{b}` near enough to be bonded, but no [[bond]] joins them",
                     counted(count, "pair")

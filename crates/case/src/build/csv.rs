@@ -2,6 +2,8 @@
 
 use super::Context;
 use super::draft::Spheres;
+use crate::Code;
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{Csv, Particles};
 use crate::structure::{listed, suggestion};
@@ -23,11 +25,11 @@ pub(super) fn place(
     let name = path.display().to_string();
     let here = context.place(group, &["csv", "file"]);
     let fail = |code, message: String, label: &str, help: &str| {
-        Problem::error(code, message).at(here.clone(), label.to_owned()).help(help.to_owned())
+        Problem::new(code, message).at(here.clone(), label.to_owned()).help(help.to_owned())
     };
     let text = std::fs::read_to_string(&path).map_err(|e| {
         vec![fail(
-            "tdem::case::csv-unreadable",
+            codes::CSV_UNREADABLE,
             format!("cannot read {name}: {e}"),
             "this file",
             "paths are relative to the folder of the case",
@@ -52,7 +54,7 @@ pub(super) fn place(
 /// What is wrong with a line.
 #[derive(Debug)]
 struct Fault {
-    code: &'static str,
+    code: Code,
     line: usize,
     what: String,
     help: String,
@@ -69,7 +71,7 @@ impl Table<'_> {
         let mut lines = table::lines(text);
         let Some((header_line, header)) = lines.next() else {
             return Err(vec![Fault {
-                code: "tdem::case::csv-empty",
+                code: codes::CSV_EMPTY,
                 line: 1,
                 what: "the file has no header line".to_owned(),
                 help: "the first line names the columns, such as x,y,z,radius".to_owned(),
@@ -87,7 +89,7 @@ impl Table<'_> {
         }
         if table::is_cut_off(text) {
             faults.push(Fault {
-                code: "tdem::case::csv-truncated",
+                code: codes::CSV_TRUNCATED,
                 line: last,
                 what: "the file does not end with a line break: its last line may be cut off".to_owned(),
                 help: "write the file again; if it is complete, end its last line".to_owned(),
@@ -95,7 +97,7 @@ impl Table<'_> {
         }
         if spheres.position.is_empty() && faults.is_empty() {
             faults.push(Fault {
-                code: "tdem::case::csv-empty",
+                code: codes::CSV_EMPTY,
                 line: last,
                 what: "the file has no rows".to_owned(),
                 help: "each row after the header is a sphere".to_owned(),
@@ -106,7 +108,7 @@ impl Table<'_> {
 
     /// Which column of the file holds what, as positions in [`COLUMNS`].
     fn columns(&self, line: usize, header: &str) -> Result<Vec<usize>, Vec<Fault>> {
-        let fault = |what: String, help: String| Fault { code: "tdem::case::csv-column", line, what, help };
+        let fault = |what: String, help: String| Fault { code: codes::CSV_COLUMN, line, what, help };
         let mut faults = Vec::new();
         let mut columns: Vec<usize> = Vec::new();
         for name in header.split(',').map(|name| name.trim().trim_matches('"')) {
@@ -136,12 +138,11 @@ impl Table<'_> {
     }
 
     fn row(&self, columns: &[usize], line: usize, row: &str, spheres: &mut Spheres) -> Result<(), Fault> {
-        let fault =
-            |what: String, help: &str| Fault { code: "tdem::case::csv-value", line, what, help: help.to_owned() };
+        let fault = |what: String, help: &str| Fault { code: codes::CSV_VALUE, line, what, help: help.to_owned() };
         let fields: Vec<&str> = row.split(',').map(str::trim).collect();
         if fields.len() != columns.len() {
             return Err(Fault {
-                code: "tdem::case::csv-truncated",
+                code: codes::CSV_TRUNCATED,
                 line,
                 what: format!("{} values, but the header names {} columns", fields.len(), columns.len()),
                 help: "the file is cut off, or a separator is missing".to_owned(),
@@ -200,7 +201,7 @@ mod tests {
     }
     fn code(text: &str) -> (&'static str, usize) {
         let faults = read(text).unwrap_err();
-        (faults[0].code, faults[0].line)
+        (faults[0].code.name, faults[0].line)
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A state in the making.
 
 use super::Context;
+use crate::codes;
 use crate::problem::{Problem, counted, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::Particles;
@@ -166,8 +167,8 @@ impl Draft {
         let repeated: Vec<&[(u32, u16)]> = order.windows(2).filter(|pair| pair[0].0 == pair[1].0).collect();
         let first = repeated.first()?;
         Some(
-            Problem::error(
-                "tdem::case::duplicate-id",
+            Problem::new(
+                codes::DUPLICATE_ID,
                 format!("{} used twice, the first is {}", counted(repeated.len(), "id"), first[0].0),
             )
             .at(context.place(usize::from(first[1].1), &[]), "again in this group")
@@ -257,8 +258,8 @@ fn bond(state: &mut State, domain: &Domain, carried: &[(Bond, BondHistory)], mut
 
 /// A number of particles that cannot be meant.
 pub(super) fn too_many(context: &Context<'_>, group: usize, count: f64) -> Problem {
-    Problem::error(
-        "tdem::case::too-many-particles",
+    Problem::new(
+        codes::TOO_MANY_PARTICLES,
         format!("these would be {} particles; at most {MOST_PARTICLES} are possible", number(count)),
     )
     .at(context.place(group, &[]), "too many")

@@ -3,6 +3,7 @@
 use super::Context;
 use super::draft::Draft;
 use super::heat::Surfaces;
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{self, Case};
 use std::collections::BTreeMap;
@@ -48,8 +49,8 @@ pub(super) fn gauges(
                 let [first, second] = between;
                 let place = context.loaded.tree.place(&["gauge", &k.to_string(), "between"]);
                 problems.push(
-                    Problem::error(
-                        "tdem::case::gauge-of-one",
+                    Problem::new(
+                        codes::GAUGE_OF_ONE,
                         format!("the means of `{first}` and `{second}` lie in the same place"),
                     )
                     .at(place, "no line joins them"),

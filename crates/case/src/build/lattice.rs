@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::draft::{MOST_PARTICLES, Spheres, too_many};
+use crate::codes;
 use crate::problem::{Problem, number};
 use crate::schema::{Align, CellKind, Lattice};
 
@@ -163,7 +164,7 @@ fn too_small(context: &Context<'_>, group: usize, cell: f64, room: [f64; 3]) -> 
         number(cell),
         room.map(number).join(" x ")
     );
-    Problem::error("tdem::case::region-too-small", message)
+    Problem::new(codes::REGION_TOO_SMALL, message)
         .at(context.place(group, &["lattice", "radius"]), "sets the size of a cell")
         .help("enlarge the region or take smaller spheres")
 }

@@ -17,6 +17,7 @@ pub(crate) use bonds::Vibration;
 pub(crate) use heat::{Conducting, Warming};
 pub use run::{NoRuns, RunLoader};
 
+use crate::codes;
 use crate::limits::{Fastest, Found, StepLimits};
 use crate::load::Loaded;
 use crate::materials::{Materials, law};
@@ -291,7 +292,7 @@ fn slow_fall(context: &Context<'_>, state: &State) -> Option<Problem> {
         number(scaling.sqrt())
     );
     Some(
-        Problem::warning("tdem::case::mass-scaling-falls", message)
+        Problem::new(codes::MASS_SCALING_FALLS, message)
             .at(place, "for states of rest only")
             .at(cause, "pulls as it does at the true mass")
             .help("remove it where the way to rest matters"),

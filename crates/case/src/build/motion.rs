@@ -3,6 +3,7 @@
 use super::Context;
 use super::draft::Draft;
 use crate::check::COMPONENTS;
+use crate::codes;
 use crate::problem::{Problem, counted, number};
 use crate::schema::{Axis, Component, Course, Force, Prescribed};
 use std::collections::{BTreeMap, BTreeSet};
@@ -191,12 +192,9 @@ impl Motion {
             }
             if on_plane.is_empty() {
                 problems.push(
-                    Problem::error(
-                        "tdem::case::symmetry-empty",
-                        format!("no centre lies on the plane {name} = {} m", plane.at),
-                    )
-                    .at(place.clone(), format!("the nearest centre is {} m away", number(nearest)))
-                    .help("a plane of symmetry goes through centres of particles"),
+                    Problem::new(codes::SYMMETRY_EMPTY, format!("no centre lies on the plane {name} = {} m", plane.at))
+                        .at(place.clone(), format!("the nearest centre is {} m away", number(nearest)))
+                        .help("a plane of symmetry goes through centres of particles"),
                 );
             }
             let mut mirror = Orders::default();
@@ -212,8 +210,8 @@ impl Motion {
             if conflicts > 0 {
                 let who = counted(conflicts, "particle");
                 problems.push(
-                    Problem::error(
-                        "tdem::case::symmetry-conflict",
+                    Problem::new(
+                        codes::SYMMETRY_CONFLICT,
                         format!("{who} on the plane {name} = {} m prescribed to leave it", plane.at),
                     )
                     .at(place, "their mirror images would move the other way")
@@ -269,21 +267,18 @@ impl Clash {
 
     fn of_motion(&self, context: &Context<'_>) -> Problem {
         let name = self.name();
-        Problem::error(
-            "tdem::case::contradictory-motion",
-            format!("`{name}` of the same particles is told to move in two ways"),
-        )
-        .at(self.rate_place(context, self.second), "some particles here")
-        .at(self.rate_place(context, self.first), "have this from before")
-        .help("keep one of them, or bound the zone so that it leaves these particles out")
+        Problem::new(codes::CONTRADICTORY_MOTION, format!("`{name}` of the same particles is told to move in two ways"))
+            .at(self.rate_place(context, self.second), "some particles here")
+            .at(self.rate_place(context, self.first), "have this from before")
+            .help("keep one of them, or bound the zone so that it leaves these particles out")
     }
 
     fn of_force(&self, context: &Context<'_>) -> Problem {
         let name = self.name();
         let Origin { table, index } = self.second;
         let place = context.loaded.tree.place(&[table, &index.to_string(), "force", name]);
-        Problem::error(
-            "tdem::case::force-on-prescribed",
+        Problem::new(
+            codes::FORCE_ON_PRESCRIBED,
             format!("a force along {name} has no effect on particles whose motion along {name} is prescribed"),
         )
         .at(place, "the force")

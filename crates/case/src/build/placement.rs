@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::draft::Draft;
+use crate::codes;
 use crate::grid::Grid;
 use crate::limits::Found;
 use crate::problem::{Problem, counted, number};
@@ -53,8 +54,8 @@ fn outside(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
         .into_iter()
         .map(|(group, (count, first))| {
             let [x, y, z] = draft.state.position[first];
-            Problem::error(
-                "tdem::case::outside-domain",
+            Problem::new(
+                codes::OUTSIDE_DOMAIN,
                 format!(
                     "{} outside the domain: id {} at [{}, {}, {}] m",
                     counted(count, "particle"),
@@ -106,8 +107,8 @@ fn walls(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
         .map(|((group, w), worst)| {
             let plane = &context.planes[w];
             let (id, radius) = (draft.state.id[worst.particle], draft.state.radius[worst.particle]);
-            Problem::error(
-                "tdem::case::through-wall",
+            Problem::new(
+                codes::THROUGH_WALL,
                 format!(
                     "{} through wall `{}`: id {id} reaches {} m behind it, {} of its radius",
                     counted(worst.count, "particle"),
@@ -192,8 +193,8 @@ fn overlaps(context: &Context<'_>, draft: &Draft) -> Option<Problem> {
     }
     let (a, b) = (worst.first, worst.second);
     let depth = worst.ratio * state.radius[a].min(state.radius[b]);
-    let mut problem = Problem::error(
-        "tdem::case::overlap",
+    let mut problem = Problem::new(
+        codes::OVERLAP,
         format!(
             "{} overlapping at the start; the worst, ids {} and {}, by {} m, {} of the smaller radius",
             counted(pairs, "pair"),
@@ -237,8 +238,8 @@ pub(super) fn period_is_wide_enough(context: &Context<'_>, found: &Found, proble
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         if context.domain.periodic[k] && length[k] < least {
             problems.push(
-                Problem::error(
-                    "tdem::case::period-too-short",
+                Problem::new(
+                    codes::PERIOD_TOO_SHORT,
                     format!(
                         "the domain repeats in {axis} after {} m, but must be at least {} m long",
                         length[k],

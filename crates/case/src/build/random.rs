@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::draft::{Draft, MOST_PARTICLES, Spheres, too_many};
+use crate::codes;
 use crate::grid::Grid;
 use crate::problem::{Problem, number};
 use crate::rng::{Stream, uniform4};
@@ -73,8 +74,8 @@ fn radii(context: &Context<'_>, group: usize, spec: &Random, region: &Region) ->
         radii.push(radius);
     }
     if radii.is_empty() {
-        return Err(Problem::error(
-            "tdem::case::region-too-small",
+        return Err(Problem::new(
+            codes::REGION_TOO_SMALL,
             format!("not one sphere: {} of the region is less than the volume of a sphere", fraction.get()),
         )
         .at(context.place(group, &["random", "volume_fraction"]), "too small")
@@ -161,8 +162,8 @@ fn full(
     let reached: f64 = placed.iter().map(|&k| sphere_volume(radius[k])).sum::<f64>() / volume(region);
     let wanted: f64 = radius.iter().map(|&r| sphere_volume(r)).sum::<f64>() / volume(region);
     let key = if spec.count.is_some() { "count" } else { "volume_fraction" };
-    Problem::error(
-        "tdem::case::no-room",
+    Problem::new(
+        codes::NO_ROOM,
         format!(
             "only {} of {} spheres found a place, {} of the region's volume instead of {}",
             placed.len(),

@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::draft::{Carried, Spheres, kept};
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{BondForm, Domain, Particles, Run, RunBonds};
 use crate::structure::suggestion;
@@ -42,7 +43,7 @@ pub(super) fn place(
 ) -> Result<Spheres, Problem> {
     let directory = context.loaded.file(&spec.directory);
     let state = loader.load(&directory).map_err(|why| {
-        Problem::error("tdem::case::run-unreadable", format!("cannot take the state of {}: {why}", directory.display()))
+        Problem::new(codes::RUN_UNREADABLE, format!("cannot take the state of {}: {why}", directory.display()))
             .at(context.place(group, &["run", "directory"]), "this run")
             .help("name the directory of a run that left a checkpoint; paths are relative to the folder of the case")
     })?;
@@ -84,9 +85,7 @@ fn carried(
     state: &State,
 ) -> Result<Carried, Problem> {
     let problem = |what: &str, help: &str| {
-        Problem::error("tdem::case::run-bonds", what)
-            .at(context.place(group, &["run", "bonds"]), "cannot go on")
-            .help(help)
+        Problem::new(codes::RUN_BONDS, what).at(context.place(group, &["run", "bonds"]), "cannot go on").help(help)
     };
     if state.bonds.is_empty() {
         let what = format!("the run {} has no bonds", directory.display());
@@ -145,9 +144,7 @@ fn names_in(directory: &Path) -> Vec<String> {
 fn renamed(context: &Context<'_>, group: usize, names: &[String], state: &State) -> Result<Vec<u16>, Problem> {
     let here = &context.loaded.case.material;
     let problem = |what: String, help: String| {
-        Problem::error("tdem::case::run-materials", what)
-            .at(context.place(group, &["run"]), "materials of this run")
-            .help(help)
+        Problem::new(codes::RUN_MATERIALS, what).at(context.place(group, &["run"]), "materials of this run").help(help)
     };
     let used: std::collections::BTreeSet<u16> = state.material.iter().copied().collect();
     for material in &used {

@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::draft::Spheres;
+use crate::codes;
 use crate::problem::{Problem, counted, number};
 use crate::schema::{Axis, Particles, Revolution, RibbedBar, Shape};
 
@@ -105,7 +106,7 @@ pub(super) fn cut(
 
 fn idle(context: &Context<'_>, path: &[&str], count: usize, how_many: &str, what: &str) -> Problem {
     let message = format!("this cuts nothing off: {how_many} the {} {what}", counted(count, "particle"));
-    Problem::warning("tdem::case::cut-idle", message)
+    Problem::new(codes::CUT_IDLE, message)
         .at(context.loaded.tree.place(path), "changes nothing")
         .help("lengths are in metres; a lattice must reach beyond the body that is cut out of it")
 }
@@ -117,7 +118,7 @@ fn nothing_left(context: &Context<'_>, index: usize, key: &str, spheres: &Sphere
     };
     let message = format!("none of the {} of this group {what}", counted(spheres.position.len(), "particle"));
     let extent = format!("[{}] to [{}] m", edge(f64::INFINITY, f64::min), edge(f64::NEG_INFINITY, f64::max));
-    Problem::error("tdem::case::group-empty", message)
+    Problem::new(codes::GROUP_EMPTY, message)
         .at(context.place(index, &[key]), "leaves nothing")
         .help(format!("their centres lie from {extent}; move or enlarge one of the two"))
 }

@@ -3,6 +3,7 @@
 use super::Context;
 use super::draft::{Draft, sphere_mass};
 use super::shape::inside;
+use crate::codes;
 use crate::problem::Problem;
 
 /// Gives particles the materials of the zones that they lie in. Returns the particles of each zone, and zones that are
@@ -29,7 +30,7 @@ pub(super) fn apply(context: &Context<'_>, draft: &mut Draft) -> (Vec<Vec<u32>>,
         if members.is_empty() {
             let of = zone.only.as_ref().map_or(String::new(), |only| format!(" of `{only}`"));
             problems.push(
-                Problem::error("tdem::case::zone-empty", format!("no centre of a particle{of} lies in this zone"))
+                Problem::new(codes::ZONE_EMPTY, format!("no centre of a particle{of} lies in this zone"))
                     .at(context.loaded.tree.place(&["zone", &k.to_string()]), "changes nothing")
                     .help(
                         "lengths are in metres; zones act in the order of the file, each on what the earlier ones left",

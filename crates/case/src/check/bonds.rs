@@ -1,6 +1,7 @@
 //! What the text shows to be wrong with bonds and zones.
 
 use super::{COMPONENTS, Checker};
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{Joint, Micro, Solid, Zone};
 use std::collections::BTreeMap;
@@ -12,8 +13,8 @@ impl Checker<'_> {
         if self.case.model.bonds() && bonds.is_empty() {
             let place = self.place(&["model"]);
             self.push(
-                Problem::error(
-                    "tdem::case::missing-bond",
+                Problem::new(
+                    codes::MISSING_BOND,
                     format!("the model is {:?}, but nothing says what bonds are made of", self.case.model),
                 )
                 .at(place, "bonds particles")
@@ -23,7 +24,7 @@ impl Checker<'_> {
         if !self.case.model.bonds() && !bonds.is_empty() {
             let [place, cause] = [&["bond", "0", "between"][..], &["model"]].map(|path| self.place(path));
             self.push(
-                Problem::error("tdem::case::bonds-need-bpm", "the case describes bonds, but its model has none")
+                Problem::new(codes::BONDS_NEED_BPM, "the case describes bonds, but its model has none")
                     .at(cause, "does not bond")
                     .at(place, "bonds are described here")
                     .help("write model = \"BPM\", which is GNTM with bonds, or remove [[bond]]"),
@@ -41,8 +42,8 @@ impl Checker<'_> {
                 let first = self.place(&["bond", &first.to_string(), "between"]);
                 let again = self.place(&["bond", &index, "between"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::duplicate-bond",
+                    Problem::new(
+                        codes::DUPLICATE_BOND,
                         format!("the bonds of `{}` and `{}` are given twice", pair[0], pair[1]),
                     )
                     .at(again, "again here")
@@ -92,8 +93,8 @@ impl Checker<'_> {
             if first == second || !own(first) || !own(second) {
                 let place = self.place(&["bond", index, "series"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::bond-series",
+                    Problem::new(
+                        codes::BOND_SERIES,
                         "bonds in series join two materials, each of which has bonds of its own",
                     )
                     .at(place, format!("needs a [[bond]] for `{first}` alone and one for `{second}` alone"))
@@ -108,7 +109,7 @@ impl Checker<'_> {
             Err(error) => {
                 let place = self.place(&["bond", index, "lattice", "poisson_ratio"]);
                 self.push(
-                    Problem::error("tdem::case::poisson-unreachable", error.to_string())
+                    Problem::new(codes::POISSON_UNREACHABLE, error.to_string())
                         .at(place, format!("must be from {} to {:.4}", error.least, error.greatest))
                         .help("bonds on this lattice resist shear with springs, which gives no other Poisson's ratio"),
                 );
@@ -117,13 +118,10 @@ impl Checker<'_> {
                 let place = self.place(&["bond", index, "lattice", "shear_factor"]);
                 let cause = self.place(&["bond", index, "lattice", "poisson_ratio"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::zero-strength",
-                        "these bonds feel no shear, a multiple of which is no strength",
-                    )
-                    .at(place, "gives a strength of 0 Pa")
-                    .at(cause, "leaves no shear stiffness")
-                    .help("give `shear_strength` instead, in Pa"),
+                    Problem::new(codes::ZERO_STRENGTH, "these bonds feel no shear, a multiple of which is no strength")
+                        .at(place, "gives a strength of 0 Pa")
+                        .at(cause, "leaves no shear stiffness")
+                        .help("give `shear_strength` instead, in Pa"),
                 );
             }
             Ok(_) => {}
@@ -131,8 +129,8 @@ impl Checker<'_> {
         if solid.shear_factor.is_some() && solid.tensile_strength.is_none() {
             let place = self.place(&["bond", index, "lattice", "shear_factor"]);
             self.push(
-                Problem::error(
-                    "tdem::case::missing-parameter",
+                Problem::new(
+                    codes::MISSING_PARAMETER,
                     "`shear_factor` is a multiple of what the tensile strength causes",
                 )
                 .at(place, "`tensile_strength` belongs beside it")
@@ -161,7 +159,7 @@ impl Checker<'_> {
                     let place = self.place(&["bond", index, key]);
                     let other = self.place(&["bond", index, "lattice", of_solid]);
                     self.push(
-                        Problem::error("tdem::case::conflicting-keys", format!("`{key}` is given twice"))
+                        Problem::new(codes::CONFLICTING_KEYS, format!("`{key}` is given twice"))
                             .at(place, "for the bonds")
                             .at(other, "and for the solid")
                             .help("keep one of them"),
@@ -176,12 +174,9 @@ impl Checker<'_> {
         let [first, second] = &joint.between;
         let place = self.place(&["bond", index]);
         self.push(
-            Problem::error(
-                "tdem::case::missing-parameter",
-                format!("the bonds of `{first}` and `{second}` lack {what}"),
-            )
-            .at(place, format!("{what} belongs here"))
-            .help(format!("add {add}")),
+            Problem::new(codes::MISSING_PARAMETER, format!("the bonds of `{first}` and `{second}` lack {what}"))
+                .at(place, format!("{what} belongs here"))
+                .help(format!("add {add}")),
         );
     }
 
@@ -202,7 +197,7 @@ impl Checker<'_> {
         let orders = !zone.fixed.is_empty() || !zone.prescribed.is_empty() || !zone.force.is_empty();
         if zone.material.is_none() && !orders && !self.is_watched(&zone.name) {
             self.push(
-                Problem::error("tdem::case::zone-idle", "this zone changes nothing")
+                Problem::new(codes::ZONE_IDLE, "this zone changes nothing")
                     .at(here, "`material`, `fixed`, `prescribed` or `force` belongs here")
                     .help("say what the particles in it are made of or how they move, or give it a name and watch it with a [[gauge]]"),
             );
@@ -214,7 +209,7 @@ impl Checker<'_> {
                 let place = self.place(&["zone", index, "fixed", &k.to_string()]);
                 let other = self.place(&["zone", index, "prescribed", name]);
                 self.push(
-                    Problem::error("tdem::case::fixed-and-prescribed", format!("`{name}` is fixed and prescribed"))
+                    Problem::new(codes::FIXED_AND_PRESCRIBED, format!("`{name}` is fixed and prescribed"))
                         .at(place, "fixed here")
                         .at(other, "prescribed here")
                         .help("keep one of them"),

@@ -1,6 +1,7 @@
 //! What the text shows to be wrong with gauges and curves.
 
 use super::Checker;
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::Gauge;
 use crate::structure::suggestion;
@@ -90,8 +91,8 @@ impl Checker<'_> {
             self.watches(gauge, &index);
             for column in gauge.columns(self.case.heat.is_some()) {
                 if let Some(first) = columns.insert(column.clone(), Some(place.clone())) {
-                    let problem = Problem::error(
-                        "tdem::case::duplicate-name",
+                    let problem = Problem::new(
+                        codes::DUPLICATE_NAME,
                         format!("two columns of the history would be called `{column}`"),
                     );
                     let problem = problem.at(place.clone(), "again here").help("choose another name");
@@ -110,7 +111,7 @@ impl Checker<'_> {
     pub(super) fn file_name(&mut self, name: &str, place: Range<usize>) {
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
             self.push(
-                Problem::error("tdem::case::name", format!("\"{name}\" cannot be part of a column or a file name"))
+                Problem::new(codes::NAME, format!("\"{name}\" cannot be part of a column or a file name"))
                     .at(place, "letters, digits, `_` and `-` only"),
             );
         }
@@ -130,7 +131,7 @@ impl Checker<'_> {
             (None, None) => {
                 let place = self.place(&["gauge", index]);
                 self.push(
-                    Problem::error("tdem::case::missing-key", format!("nothing says what `{}` watches", gauge.name))
+                    Problem::new(codes::MISSING_KEY, format!("nothing says what `{}` watches", gauge.name))
                         .at(place, "`of`, `between` or `surface` belongs here")
                         .help("add of = \"...\", the name of a group of particles or of a zone"),
                 );
@@ -143,7 +144,7 @@ impl Checker<'_> {
                 if names[0] == names[1] {
                     let place = self.place(&["gauge", index, "between"]);
                     self.push(
-                        Problem::error("tdem::case::gauge-of-one", format!("`{}` is not away from itself", names[0]))
+                        Problem::new(codes::GAUGE_OF_ONE, format!("`{}` is not away from itself", names[0]))
                             .at(place, "two different ones belong here"),
                     );
                 }
@@ -160,11 +161,11 @@ impl Checker<'_> {
             0 => {
                 let message = format!("no surface is called `{name}`");
                 let help = suggestion(name, &names);
-                self.push(Problem::error("tdem::case::unknown-surface", message).at(place, "not defined").help(help));
+                self.push(Problem::new(codes::UNKNOWN_SURFACE, message).at(place, "not defined").help(help));
             }
             1 => {}
             _ => self.push(
-                Problem::error("tdem::case::duplicate-name", format!("several surfaces are called `{name}`"))
+                Problem::new(codes::DUPLICATE_NAME, format!("several surfaces are called `{name}`"))
                     .at(place, "which of them?")
                     .help("give each its own name"),
             ),
@@ -183,13 +184,11 @@ impl Checker<'_> {
             [] => {
                 let message = format!("no group of particles and no zone is called `{name}`");
                 let help = suggestion(name, &names);
-                self.push(Problem::error("tdem::case::unknown-group", message).at(place, "not defined").help(help));
+                self.push(Problem::new(codes::UNKNOWN_GROUP, message).at(place, "not defined").help(help));
             }
             [first, second, ..] => {
-                let problem = Problem::error(
-                    "tdem::case::duplicate-name",
-                    format!("two are called `{name}`, and it is referred to"),
-                );
+                let problem =
+                    Problem::new(codes::DUPLICATE_NAME, format!("two are called `{name}`, and it is referred to"));
                 let problem = problem.at(second.clone(), "again here").at(first.clone(), "first here");
                 self.push(problem.at(place, "which of them?").help("give each its own name"));
             }
@@ -224,7 +223,7 @@ impl Checker<'_> {
             self.file_name(&curve.name, place.clone());
             if let Some(first) = names.insert(&curve.name, place.clone()) {
                 self.push(
-                    Problem::error("tdem::case::duplicate-name", format!("two curves are called `{}`", curve.name))
+                    Problem::new(codes::DUPLICATE_NAME, format!("two curves are called `{}`", curve.name))
                         .at(place, "again here")
                         .at(first, "first here")
                         .help("give each its own name"),
@@ -235,12 +234,12 @@ impl Checker<'_> {
                     let place = self.place(&["curve", &index, key]);
                     let message = format!("the history has no column `{column}`");
                     let help = suggestion(column, &columns);
-                    self.push(Problem::error("tdem::case::unknown-column", message).at(place, "not there").help(help));
+                    self.push(Problem::new(codes::UNKNOWN_COLUMN, message).at(place, "not there").help(help));
                 }
                 if factor == 0.0 {
                     let place = self.place(&["curve", &index, &format!("{key}_factor")]);
                     let message = format!("a factor of 0 leaves nothing of `{column}`");
-                    self.push(Problem::error("tdem::case::out-of-range", message).at(place, "must not be 0"));
+                    self.push(Problem::new(codes::OUT_OF_RANGE, message).at(place, "must not be 0"));
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! What the text shows to be wrong with heat and surfaces.
 
 use super::Checker;
+use crate::codes;
 use crate::materials::RIGID;
 use crate::problem::{Problem, number};
 use crate::schema::{
@@ -17,7 +18,7 @@ impl Checker<'_> {
         if self.case.model == Model::BPM {
             let [place, heat] = [&["model"][..], &["heat"]].map(|path| self.place(path));
             self.push(
-                Problem::error("tdem::case::heat-and-model", "the case describes heat, but its model has none")
+                Problem::new(codes::HEAT_AND_MODEL, "the case describes heat, but its model has none")
                     .at(place, "bonds without heat")
                     .at(heat, "heat is described here")
                     .help("write model = \"TBPM\", which is BPM with heat, or remove [heat]"),
@@ -51,13 +52,13 @@ impl Checker<'_> {
         }
         if matches!(sides, OpenSides::Cells(cells) if cells.contains(&0)) {
             self.push(
-                Problem::error("tdem::case::out-of-range", "a block has at least 1 cell in each direction")
+                Problem::new(codes::OUT_OF_RANGE, "a block has at least 1 cell in each direction")
                     .at(place, "must be at least 1"),
             );
         } else if heat.bar_radius != BarRadius::FaceCentred {
             let cause = self.place(&["heat", "bar_radius"]);
             self.push(
-                Problem::error("tdem::case::conflicting-keys", "`open_sides` corrects \"fcc\", not a number")
+                Problem::new(codes::CONFLICTING_KEYS, "`open_sides` corrects \"fcc\", not a number")
                     .at(place, "conflicts")
                     .at(cause, "with this")
                     .help("write bar_radius = \"fcc\", or remove `open_sides`"),
@@ -73,7 +74,7 @@ impl Checker<'_> {
                 let [place, cause] = [["heat", "open_sides"], ["domain", "periodic"]].map(|path| self.place(&path));
                 let message = format!("there is no side in the direction \"{}\", which repeats", face_name(*face));
                 self.push(
-                    Problem::error("tdem::case::surface-across-period", message)
+                    Problem::new(codes::SURFACE_ACROSS_PERIOD, message)
                         .at(place, "no side")
                         .at(cause, "repeats")
                         .help("leave out this side, or do not let this direction repeat"),
@@ -98,8 +99,8 @@ impl Checker<'_> {
                 let place = self.place(&["bonds", "form"]);
                 let cause = self.tree.key_place(&["bond", &index, "stiffness_over_temperature"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::stiffness-of-stored-forces",
+                    Problem::new(
+                        codes::STIFFNESS_OF_STORED_FORCES,
                         "the stiffness of these bonds depends on temperature, but a bond that stores forces keeps the old force when its stiffness changes",
                     )
                     .at(place, "stores forces")
@@ -115,8 +116,8 @@ impl Checker<'_> {
             {
                 let place = self.place(&["bond", &index, "series"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::missing-parameter",
+                    Problem::new(
+                        codes::MISSING_PARAMETER,
                         format!("half of each of these bonds is `{name}`, whose stiffness depends on temperature"),
                     )
                     .at(place, "`stiffness_over_temperature` belongs here")
@@ -145,8 +146,8 @@ impl Checker<'_> {
                 let (place, allowed) = (self.place(path), if positive { "above" } else { "at least" });
                 let (name, unit) = (path[2], if unit.is_empty() { String::new() } else { format!(" {unit}") });
                 self.push(
-                    Problem::error(
-                        "tdem::case::out-of-range",
+                    Problem::new(
+                        codes::OUT_OF_RANGE,
                         format!("`{name}` has the value {value}{unit}, but must be {allowed} 0"),
                     )
                     .at(place, format!("must be {allowed} 0{unit}")),
@@ -161,7 +162,7 @@ impl Checker<'_> {
         if heat.motion == Motion::Frozen && self.case.time.mass_scaling.is_some() {
             let [place, cause] = [["time", "mass_scaling"], ["heat", "motion"]].map(|path| self.tree.key_place(&path));
             self.push(
-                Problem::error("tdem::case::conflicting-keys", "`mass_scaling` has no effect where nothing moves")
+                Problem::new(codes::CONFLICTING_KEYS, "`mass_scaling` has no effect where nothing moves")
                     .at(place, "has no effect")
                     .at(cause, "with this")
                     .help("remove it"),
@@ -177,16 +178,15 @@ impl Checker<'_> {
                 continue;
             }
             let [place, cause] = [&["heat", key], &["heat", "motion"]].map(|path| self.tree.key_place(path));
-            let problem =
-                Problem::error("tdem::case::conflicting-keys", format!("`{key}` has no effect with this motion"))
-                    .at(place, "has no effect");
+            let problem = Problem::new(codes::CONFLICTING_KEYS, format!("`{key}` has no effect with this motion"))
+                .at(place, "has no effect");
             let help = if scaled { "write motion = \"quasi-static\" or \"frozen\", or remove it" } else { "remove it" };
             self.push(if scaled { problem.help(help) } else { problem.at(cause, "with this").help(help) });
         }
         if !scaled && heat.step.is_none() && heat.scheme.unwrap_or_default() == Scheme::Implicit {
             let place = self.place(&["heat", "motion"]);
             self.push(
-                Problem::error("tdem::case::missing-key", "nothing says how long a step of the heat is")
+                Problem::new(codes::MISSING_KEY, "nothing says how long a step of the heat is")
                     .at(place, "takes steps of the heat")
                     .help("add step = ... in s; or write scheme = \"explicit\", which finds the largest safe one"),
             );
@@ -196,7 +196,7 @@ impl Checker<'_> {
             let end = self.case.time.end.get();
             let message = format!("heat.step is {} s, longer than the whole run, {end} s", step.get());
             self.push(
-                Problem::error("tdem::case::step-beyond-end", message)
+                Problem::new(codes::STEP_BEYOND_END, message)
                     .at(place, format!("must be at most {end} s"))
                     .at(cause, "the run ends here"),
             );
@@ -213,7 +213,7 @@ impl Checker<'_> {
             if !self.case.output.ledger {
                 let cause = self.place(&["output", "ledger"]);
                 self.push(
-                    Problem::error("tdem::case::conflicting-keys", "what becomes heat is known from the energy ledger")
+                    Problem::new(codes::CONFLICTING_KEYS, "what becomes heat is known from the energy ledger")
                         .at(place, "needs the ledger")
                         .at(cause, "which is off")
                         .help("remove `ledger = false`"),
@@ -221,7 +221,7 @@ impl Checker<'_> {
             } else if key == "from_friction" && self.case.model == Model::GN {
                 let cause = self.place(&["model"]);
                 self.push(
-                    Problem::error("tdem::case::conflicting-keys", "the model GN has no friction")
+                    Problem::new(codes::CONFLICTING_KEYS, "the model GN has no friction")
                         .at(place, "has no effect")
                         .at(cause, "with this")
                         .help("write model = \"GNT\" or \"GNTM\", or remove it"),
@@ -235,7 +235,7 @@ impl Checker<'_> {
         if self.case.model == Model::TBPM {
             let place = self.place(&["model"]);
             self.push(
-                Problem::error("tdem::case::missing-heat", "the model is TBPM, but nothing says anything of heat")
+                Problem::new(codes::MISSING_HEAT, "the model is TBPM, but nothing says anything of heat")
                     .at(place, "bonds with heat")
                     .help("add a table [heat], or write model = \"BPM\""),
             );
@@ -261,7 +261,7 @@ impl Checker<'_> {
         places.extend((0..self.case.surface.len()).map(|k| self.place(&["surface", &k.to_string()])));
         for place in places {
             self.push(
-                Problem::error("tdem::case::missing-heat", "this is about heat, and the case has no table [heat]")
+                Problem::new(codes::MISSING_HEAT, "this is about heat, and the case has no table [heat]")
                     .at(place, "has no effect")
                     .help("add a table [heat], or remove this"),
             );
@@ -275,7 +275,7 @@ impl Checker<'_> {
             let unit = heat.scale.unit();
             let place = self.place(path);
             self.push(
-                Problem::error("tdem::case::below-absolute-zero", format!("{value} {unit} is no temperature"))
+                Problem::new(codes::BELOW_ABSOLUTE_ZERO, format!("{value} {unit} is no temperature"))
                     .at(place, format!("must be above {zero} {unit}"))
                     .help("heat.scale says whether temperatures are in °C or K"),
             );
@@ -313,8 +313,8 @@ impl Checker<'_> {
         if strain.abs() > LARGEST_STRAIN {
             let place = self.place(&["material", name, "thermal_expansion"]);
             self.push(
-                Problem::error(
-                    "tdem::case::large-expansion",
+                Problem::new(
+                    codes::LARGE_EXPANSION,
                     format!("`{name}` would change its length by {} of it over {warmth} K", number(strain)),
                 )
                 .at(place, format!("at most {} 1/K", number(LARGEST_STRAIN / warmth)))
@@ -334,7 +334,7 @@ impl Checker<'_> {
             for (key, _, unit) in given.into_iter().filter(|(_, there, _)| !there) {
                 let [place, cause] = [&["material", name][..], &["heat"]].map(|path| self.tree.key_place(path));
                 self.push(
-                    Problem::error("tdem::case::missing-parameter", format!("the material `{name}` lacks `{key}`"))
+                    Problem::new(codes::MISSING_PARAMETER, format!("the material `{name}` lacks `{key}`"))
                         .at(place, format!("`{key}` belongs here"))
                         .at(cause, "the case has heat")
                         .help(format!("add {key} = ... in {unit}")),
@@ -359,8 +359,8 @@ impl Checker<'_> {
                 let place = self.place(&["bonds", "form"]);
                 let cause = self.place(&["material", name, "thermal_expansion"]);
                 self.push(
-                    Problem::error(
-                        "tdem::case::expansion-of-stored-forces",
+                    Problem::new(
+                        codes::EXPANSION_OF_STORED_FORCES,
                         format!("`{name}` expands, but bonds that store forces cannot"),
                     )
                     .at(place, "stores forces")
@@ -394,7 +394,7 @@ impl Checker<'_> {
             if let Some((cause, why, help)) = idle {
                 let [place, cause] = [&path[..], &cause].map(|path| self.place(path));
                 self.push(
-                    Problem::error("tdem::case::idle-temperature", "the temperature of this wall reaches no particle")
+                    Problem::new(codes::IDLE_TEMPERATURE, "the temperature of this wall reaches no particle")
                         .at(place, "has no effect")
                         .at(cause, why)
                         .help(help),
@@ -419,7 +419,7 @@ impl Checker<'_> {
             let [place, cause] =
                 [&["surface", index, "face"][..], &["domain", "periodic"]].map(|path| self.place(path));
             self.push(
-                Problem::error("tdem::case::surface-across-period", "there is no face in a direction that repeats")
+                Problem::new(codes::SURFACE_ACROSS_PERIOD, "there is no face in a direction that repeats")
                     .at(place, "no face")
                     .at(cause, "repeats")
                     .help("choose another face, or do not let this direction repeat"),
@@ -436,7 +436,7 @@ impl Checker<'_> {
             [] => {
                 let place = self.place(&["surface", index]);
                 self.push(
-                    Problem::error("tdem::case::missing-key", "nothing goes through this surface")
+                    Problem::new(codes::MISSING_KEY, "nothing goes through this surface")
                         .at(place, "`temperature`, `flux`, `convection` or `radiation` belongs here")
                         .help("remove it if it is insulated: whatever is in no surface is"),
                 );

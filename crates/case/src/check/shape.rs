@@ -1,6 +1,7 @@
 //! What the text shows to be wrong with parts of space.
 
 use super::Checker;
+use crate::codes;
 use crate::problem::Problem;
 use crate::schema::{Cylinder, Particles, Revolution, Shape};
 use crate::structure::listed;
@@ -12,7 +13,7 @@ impl Checker<'_> {
             [] => {
                 let place = self.place(path);
                 self.push(
-                    Problem::error("tdem::case::shape", format!("{of} has no shape"))
+                    Problem::new(codes::SHAPE, format!("{of} has no shape"))
                         .at(place, format!("one of {} belongs here", listed(Shape::KEYS)))
                         .help("add box = { min = [..., ..., ...], max = [..., ..., ...] }, for instance"),
                 );
@@ -20,7 +21,7 @@ impl Checker<'_> {
             [first, second, ..] => {
                 let [place, other] = [second, first].map(|key| self.tree.key_place(&[path, &[key]].concat()));
                 self.push(
-                    Problem::error("tdem::case::shape", format!("{of} has two shapes, but must have one"))
+                    Problem::new(codes::SHAPE, format!("{of} has two shapes, but must have one"))
                         .at(place, "one too many")
                         .at(other, "the other")
                         .help("keep one of them"),
@@ -44,12 +45,9 @@ impl Checker<'_> {
         if from >= to {
             let [start, end] = ["from", "to"].map(|key| self.place(&[path, &[key]].concat()));
             self.push(
-                Problem::error(
-                    "tdem::case::inverted-range",
-                    format!("the cylinder begins at {from} m and ends at {to} m"),
-                )
-                .at(end, "must be larger than `from`")
-                .at(start, "begins here"),
+                Problem::new(codes::INVERTED_RANGE, format!("the cylinder begins at {from} m and ends at {to} m"))
+                    .at(end, "must be larger than `from`")
+                    .at(start, "begins here"),
             );
         }
     }
@@ -60,8 +58,8 @@ impl Checker<'_> {
             if before >= after {
                 let place = self.place(&[path, &["profile", &k.to_string()]].concat());
                 self.push(
-                    Problem::error(
-                        "tdem::case::inverted-range",
+                    Problem::new(
+                        codes::INVERTED_RANGE,
                         format!("the profile goes from {before} m to {after} m along its axis"),
                     )
                     .at(place, "must be farther along than the point before it"),

@@ -11,7 +11,7 @@ use crate::Real;
 /// | `normal_speed` | $v_n$ | m/s | negative while approaching |
 ///
 /// # Returns
-/// The repulsive force, N. The restitution it gives falls with the impact speed.
+/// The repulsive force, N. The restitution it gives rises with the impact speed.
 ///
 /// # Numerics
 /// The paper prints the coefficients 1500 and 150 without unit; as N s/m no usable step would be stable, as 1/s times

@@ -4,6 +4,31 @@ use super::{Check, Kind, Outcome, Tier, Tolerance};
 use std::fmt::Write;
 
 impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 7] = [
+        Kind::ClosedForm,
+        Kind::Published,
+        Kind::Reference,
+        Kind::Order,
+        Kind::Conservation,
+        Kind::Invariance,
+        Kind::Statistical,
+    ];
+
+    /// What that means, in a sentence.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Kind::ClosedForm => "the solution of the model's equations, on paper",
+            Kind::Published => "printed or plotted in the literature",
+            Kind::Reference => "computed by a program that shares nothing with the engine",
+            Kind::Order => "how fast an error falls with the step",
+            Kind::Conservation => "what the laws of motion keep",
+            Kind::Invariance => "what may not depend on how the machine works or how space is turned",
+            Kind::Statistical => "what random packings, and bodies that tear, show within their scatter",
+        }
+    }
+
     /// In words.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -126,18 +151,31 @@ pub fn table(outcomes: &[Outcome]) -> String {
     text
 }
 
+/// Text whose bars, stars and angles Markdown takes as they are.
+#[must_use]
+pub fn escaped(text: &str) -> String {
+    let mut shown = String::new();
+    for letter in text.chars() {
+        if matches!(letter, '|' | '*' | '<') {
+            shown.push('\\');
+        }
+        shown.push(letter);
+    }
+    shown
+}
+
 /// Outcomes as Markdown, one section per case.
 #[must_use]
 pub fn markdown(outcomes: &[Outcome]) -> String {
     let mut text = String::new();
     for outcome in outcomes {
         let case = &outcome.case;
-        let _ = writeln!(text, "### {}\n\n{}\n\n*{}*\n", case.name, case.about, case.source);
+        let _ = writeln!(text, "### {}\n\n{}\n", case.name, escaped(case.about));
+        let _ = writeln!(text, "Tier: {}. Source: {}\n", tier(case.tier), escaped(case.source));
         text.push_str("| quantity | unit | expected | got | tolerance | what is expected | verdict |\n");
         text.push_str("|---|---|---:|---:|---|---|---|\n");
         for check in &outcome.checks {
-            let [verdict, what, expected, got, tolerance, unit, kind] =
-                cells(check).map(|cell| cell.replace('|', "\\|"));
+            let [verdict, what, expected, got, tolerance, unit, kind] = cells(check).map(|cell| escaped(&cell));
             let _ = writeln!(text, "| {what} | {unit} | {expected} | {got} | {tolerance} | {kind} | {verdict} |");
         }
         if let Some(fault) = &outcome.fault {

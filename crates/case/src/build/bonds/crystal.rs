@@ -3,6 +3,7 @@
 use super::super::Context;
 use super::super::draft::Draft;
 use super::{Given, offset};
+use crate::codes;
 use crate::problem::Problem;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -54,8 +55,8 @@ fn warning(context: &Context<'_>, entry: usize, [all, astray]: [usize; 2], most:
     } else {
         format!("no particle has more than {most} bonds, where the inside of that lattice has 12")
     };
-    Problem::warning(
-        "tdem::case::not-the-lattice",
+    Problem::new(
+        codes::NOT_THE_LATTICE,
         format!("`lattice` is right for spheres on the lattice \"fcc\" along x, y and z, but {what}"),
     )
     .at(context.loaded.tree.place(&["bond", &entry.to_string(), "lattice"]), "the solid will be another")

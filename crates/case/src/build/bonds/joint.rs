@@ -1,6 +1,7 @@
 //! What a [[bond]] is made of, in the numbers of the law.
 
 use super::super::Context;
+use crate::codes;
 use crate::problem::{Problem, number};
 use crate::schema::{Joint as Entry, NonNegative, Strength};
 use std::f64::consts::SQRT_2;
@@ -69,8 +70,8 @@ pub(super) fn of(context: &Context<'_>, entry: usize, extents: &[Extent]) -> Res
     let extent = &extents[entry];
     let [a, b] = &given.between;
     if extent.is_empty() {
-        return Err(Problem::error(
-            "tdem::case::bond-unused",
+        return Err(Problem::new(
+            codes::BOND_UNUSED,
             match (&context.loaded.case.bonds.file, given.gap_length) {
                 (Some(_), _) => format!("the file of bonds holds none of `{a}` and `{b}`"),
                 (None, Some(length)) => format!(
@@ -125,8 +126,8 @@ fn stiffness(context: &Context<'_>, entry: usize, extent: &Extent) -> Result<Sti
     };
     let halves = [own(&given.between[0])?, own(&given.between[1])?];
     if (halves[0].0.per_area > 0.0) != (halves[1].0.per_area > 0.0) {
-        return Err(Problem::error(
-            "tdem::case::bond-series",
+        return Err(Problem::new(
+            codes::BOND_SERIES,
             "one half of these bonds has a Young's modulus, the other a stiffness that is the same for all lengths",
         )
         .at(context.loaded.tree.place(&["bond", &entry.to_string(), "series"]), "cannot combine them")
@@ -150,8 +151,8 @@ fn single(context: &Context<'_>, blamed: usize, given: &Entry, extent: &Extent) 
     };
     let ([small, large], [short, long]) = (extent.radius, extent.length);
     if !extent.is_uniform() {
-        return Err(Problem::error(
-            "tdem::case::bond-lattice",
+        return Err(Problem::new(
+            codes::BOND_LATTICE,
             format!(
                 "a solid's stiffness is known for equal spheres on a lattice only, but these bonds are {} to {} m long, \
                  between radii of {} to {} m",
@@ -165,7 +166,7 @@ fn single(context: &Context<'_>, blamed: usize, given: &Entry, extent: &Extent) 
         .help("say how stiff bonds are with `micro = { young_modulus = ..., stiffness_ratio = ... }`"));
     }
     let ratio = face_centred::stiffness_ratio(solid.poisson_ratio.get()).map_err(|error| {
-        Problem::error("tdem::case::poisson-unreachable", error.to_string()).at(place("lattice"), "out of range")
+        Problem::new(codes::POISSON_UNREACHABLE, error.to_string()).at(place("lattice"), "out of range")
     })?;
     let area = Section::between(given.radius_multiplier.get(), small, small).area;
     let normal = face_centred::normal_stiffness(solid.young_modulus.get(), ratio, SQRT_2 * short);

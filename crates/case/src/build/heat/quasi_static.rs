@@ -1,6 +1,7 @@
 //! Whether the motion has time to follow the heat.
 
 use super::super::Context;
+use crate::codes;
 use crate::problem::{Problem, number};
 use tdem_engine::{Plan, State};
 
@@ -31,14 +32,12 @@ pub(in crate::build) fn check(context: &Context<'_>, plan: &Plan, state: &State)
         number(program),
         number(program / heat.time_scale)
     );
-    Some(
-        Problem::error("tdem::case::time-scale", message)
-            .at(place, format!("at most {} times as fast", number(most)))
-            .help(format!(
-                "the slowest vibration takes {} s, and {VIBRATIONS} of them are needed: make time.end longer",
-                number(period)
-            )),
-    )
+    Some(Problem::new(codes::TIME_SCALE, message).at(place, format!("at most {} times as fast", number(most))).help(
+        format!(
+            "the slowest vibration takes {} s, and {VIBRATIONS} of them are needed: make time.end longer",
+            number(period)
+        ),
+    ))
 }
 
 /// The longest side of the box around all centres, m.

@@ -2,6 +2,7 @@
 
 use super::super::{Context, Draft, lattice};
 use super::course;
+use crate::codes;
 use crate::problem::{Problem, counted};
 use crate::schema::{self, Depth, Face, Heat, Surface};
 use crate::walls::FACES;
@@ -124,7 +125,7 @@ fn skin<'c>(
         members = outermost(draft, members, face);
     }
     if members.is_empty() {
-        return Err(Problem::error("tdem::case::surface-empty", "no particle lies at this surface")
+        return Err(Problem::new(codes::SURFACE_EMPTY, "no particle lies at this surface")
             .at(place("of"), "has no particles")
             .help("zones act in the order of the file, and hold particles whose centres lie in them"));
     }
@@ -135,7 +136,7 @@ fn skin<'c>(
         // Nothing but a temperature held without depth can do without.
         (None, None) if surface.temperature.is_some() && surface.depth == Depth::Metres(zero()) => 0.0,
         (None, None) => {
-            return Err(Problem::error("tdem::case::missing-key", "nothing says how large this surface is")
+            return Err(Problem::new(codes::MISSING_KEY, "nothing says how large this surface is")
                 .at(place(""), "`area` belongs here")
                 .help("add area = ... in m²; only particles of one lattice can do without"));
         }
@@ -144,7 +145,7 @@ fn skin<'c>(
         (Depth::Metres(depth), _) => depth.get(),
         (Depth::HalfCell, Some(cell)) => cell.depth,
         (Depth::HalfCell, None) => {
-            return Err(Problem::error("tdem::case::missing-key", "half a cell is a depth of lattices only")
+            return Err(Problem::new(codes::MISSING_KEY, "half a cell is a depth of lattices only")
                 .at(place("depth"), "`depth` belongs here")
                 .help("add depth = ..., how deep centres lie behind the surface, m; 0.0 for not at all"));
         }
@@ -190,7 +191,7 @@ fn held_twice(context: &Context<'_>, skins: &[Skin<'_>], of_particle: &[Vec<usiz
         .into_iter()
         .map(|([first, second], count)| {
             let who = counted(count, "particle");
-            Problem::error("tdem::case::two-temperatures", format!("{who} would be held at two temperatures"))
+            Problem::new(codes::TWO_TEMPERATURES, format!("{who} would be held at two temperatures"))
                 .at(place(second), "some particles here")
                 .at(place(first), "have this from before")
                 .help("bound one of the surfaces so that it leaves these particles out, or give it a depth")

@@ -1,5 +1,7 @@
 //! The pages that are generated from the program say what the program says. `cargo xtask docs` writes them anew.
 
+mod verification;
+
 use serde_json::{Map, Value};
 // Strings take whatever is written to them: results of `write!` are not looked at.
 use std::fmt::Write;
