@@ -108,11 +108,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
 fn redraw(folder: &Path) -> Result<ExitCode, Reports> {
     let path = folder.join("bench.json");
     let text = fs::read_to_string(&path).map_err(|error| {
-        Report::new("tdem::bench::json", format!("cannot read {}: {error}", argument(&path)))
+        Report::new(codes::BENCH_RECORD, format!("cannot read {}: {error}", argument(&path)))
             .help("`--out` says in which folder the measurements are")
     })?;
     let record = Record::read(&text).map_err(|error| {
-        Report::new("tdem::bench::json", format!("{} is not of this benchmark: {error}", argument(&path)))
+        Report::new(codes::BENCH_RECORD, format!("{} is not of this benchmark: {error}", argument(&path)))
     })?;
     draw(folder, &record)?;
     data(table(&record))?;

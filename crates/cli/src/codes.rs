@@ -17,6 +17,11 @@ tdem_case::codes! {
     /// Please report it with the command.
     error BENCH_JSON = "tdem::bench::json";
 
+    /// Measurements that shall be drawn again cannot be read, or are not of `tdem bench --paper-figures`.
+    ///
+    /// Give the folder with the `bench.json` that it wrote with `--out`.
+    error BENCH_RECORD = "tdem::bench::record";
+
     /// The specimen does not break: its load did not fall to half of its greatest.
     ///
     /// Tensile and shear strength that are less far apart let it break.
