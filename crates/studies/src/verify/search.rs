@@ -21,6 +21,13 @@ pub(super) const CASES: &[Case] = &[
         body: while_moving,
     },
     Case {
+        name: "search/far-from-the-bulk",
+        tier: Tier::Quick,
+        source: "trying all pairs",
+        about: "The same spheres moving, and touching pairs of them up to 1000 boxes away in all directions; x repeats, or none does.",
+        body: far_from_the_bulk,
+    },
+    Case {
         name: "search/quarter-turn",
         tier: Tier::Quick,
         source: "sums over x and y commute, so that a quarter turn about z changes no bit",
@@ -123,6 +130,46 @@ fn while_moving(bench: &mut Bench) -> Result<(), Fault> {
     bench.judge("lists made in 370 steps, at least", "1", searches, Kind::Invariance.at_least(10.0));
     bench.judge("lists made in 370 steps, at most", "1", searches, Kind::Invariance.at_most(180.0));
     bench.seal(&simulation.state()?);
+    Ok(())
+}
+
+fn far_from_the_bulk(bench: &mut Bench) -> Result<(), Fault> {
+    const FAR: f64 = 1000.0 * BOX;
+    for periodic in [[false; 3], [true, false, false]] {
+        let mut scene = crowd(periodic, 60);
+        for d in (0..3).filter(|&d| !periodic[d]) {
+            (scene.plan.domain.min[d], scene.plan.domain.max[d]) = (-2.0 * FAR, 2.0 * FAR);
+        }
+        for k in 0..20 {
+            let mut place: [f64; 3] = std::array::from_fn(|d| FAR * (2.0 * random(61, 3 * k + d) - 1.0));
+            // Near the bulk in all directions but one, too.
+            place
+                .iter_mut()
+                .enumerate()
+                .filter(|(d, _)| periodic[*d] || k % 4 == *d)
+                .for_each(|(_, x)| *x /= 2.0 * FAR);
+            place[0] = if periodic[0] { place[0].abs() } else { place[0] };
+            for turn in 0..2 {
+                scene.sphere(0.06, PLASTIC.density, [place[0], place[1] + 0.1 * f64::from(turn), place[2]]);
+            }
+        }
+        for (k, velocity) in scene.state.velocity.iter_mut().enumerate() {
+            *velocity = random_vector(62, k);
+        }
+        let mut simulation = bench.start(&scene)?;
+        let (mut wrong, mut pairs) = (0.0, 0);
+        for _ in 0..5 {
+            let state = simulation.state()?;
+            let expected = brute_force(&state, &scene.plan.domain);
+            pairs += expected.len();
+            wrong += difference(&listed(&state), &expected);
+            simulation.advance(29)?;
+        }
+        let name = if periodic[0] { "x repeats" } else { "no direction repeats" };
+        let what = format!("{name}: pairs missed or invented, of {pairs}");
+        bench.judge(what, "1", wrong, Kind::Invariance.within(0.0, 0.0));
+        bench.seal(&simulation.state()?);
+    }
     Ok(())
 }
 

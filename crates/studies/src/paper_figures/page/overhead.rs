@@ -5,6 +5,7 @@ use super::super::figures::View;
 use super::super::published::On;
 use super::super::{Measured, Mode, Model, Quantity};
 use super::{conditions, digits, escaped, key, maybe, maybe_of_paper, mode_words, section as wrapped, short, table};
+use std::fmt::Write;
 
 /// A column of bars: its class, what it is, and the time of a model over that of GN.
 struct Column<'a> {
@@ -119,7 +120,7 @@ fn additions(view: &View<'_>, columns: &[Column<'_>]) -> String {
         let parts = [told("over a step of GN", &relative), told("in absolute time", &absolute)];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         if !parts.is_empty() {
-            text += &format!("<p>On {word} in {}: {}.</p>\n", mode_words(mode), parts.join("; "));
+            let _ = writeln!(text, "<p>On {word} in {}: {}.</p>", mode_words(mode), parts.join("; "));
         }
     }
     text
