@@ -21,6 +21,7 @@ pub use page::page;
 pub use published::{Published, Quantity, Value};
 pub use table::table;
 
+use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -350,7 +351,15 @@ impl Record {
     /// # Errors
     /// What is not as it should be, and where.
     pub fn read(text: &str) -> Result<Self, serde_json::Error> {
-        serde_json::from_str(text)
+        let record: Record = serde_json::from_str(text)?;
+        let machines = record.machines.len();
+        if machines == 0 {
+            return Err(serde_json::Error::custom("there are no machines"));
+        }
+        match record.measurements.iter().find(|measured| measured.machine >= machines) {
+            Some(lost) => Err(serde_json::Error::custom(format!("there is no machine {}", lost.machine))),
+            None => Ok(record),
+        }
     }
     /// As JSON.
     ///

@@ -29,7 +29,8 @@ impl Division {
     pub(crate) fn new(extent: [f64; 3], width: f64, periodic: [bool; 3], budget: usize) -> Self {
         let mut width = width;
         loop {
-            let along = extent.map(|extent| (extent / width).floor().clamp(1.0, MOST) as u32);
+            // Edges that are not numbers, of places that are none, count as endless here: the step tells of such places.
+            let along = extent.map(|extent| (extent / width).floor().min(MOST) as u32).map(|along| along.max(1));
             let mut cells = along;
             while cells.iter().map(|&c| f64::from(c)).product::<f64>() > budget as f64 {
                 let open = (0..3).filter(|&k| !periodic[k] && cells[k] > FEWEST).max_by_key(|&k| cells[k]);
@@ -196,6 +197,9 @@ mod tests {
         let folded = Division::new([1.0, 1e4, 1e30], 0.1, [false; 3], 1000);
         assert_eq!(folded.along, [10, 100_000, 1 << 30]);
         assert!(folded.cells[0] >= 8 && folded.cells.iter().product::<u32>() <= 1000);
+        let none = Division::new([f64::NAN, f64::INFINITY, f64::NEG_INFINITY], 0.1, [false; 3], 1000);
+        assert_eq!(none.along, [1 << 30, 1 << 30, 1]);
+        assert!(none.cells.iter().product::<u32>() <= 1000);
         let repeats = Division::new([1.0, 1e4, 1.0], 0.1, [true; 3], 1000);
         assert_eq!(repeats.along, repeats.cells);
         assert!(repeats.per_metre[0] < 10.0 && repeats.cells.iter().product::<u32>() <= 1000);

@@ -12,6 +12,7 @@ use super::published::{On, Value};
 use super::{Measured, Mode, Model, Published, Quantity, Record};
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use tdem_results::words::grouped;
 
 /// The page of a record.
 #[must_use]
@@ -98,9 +99,9 @@ fn conditions<'a>(view: &View<'_>, measured: impl IntoIterator<Item = &'a Measur
         let machine = view.machine(place);
         let its = || measured.iter().filter(|measured| measured.machine == place);
         let particles: BTreeSet<usize> = its().map(|measured| measured.particles).collect();
-        let particles: Vec<String> = particles.into_iter().map(grouped).collect();
+        let particles: Vec<String> = particles.into_iter().map(|count| grouped(count as u64)).collect();
         let steps = its().fold([u64::MAX, 0], |[low, high], m| [low.min(m.steps), high.max(m.steps)]);
-        let steps = if steps[0] == steps[1] { grouped(steps[0] as usize) } else { range(steps) };
+        let steps = if steps[0] == steps[1] { grouped(steps[0]) } else { range(steps) };
         let repeats = its().map(|measured| measured.repeats).max().unwrap_or(0);
         format!(
             "{} ({}); N = {}; best of {repeats} measurements of {steps} steps",
@@ -114,20 +115,7 @@ fn conditions<'a>(view: &View<'_>, measured: impl IntoIterator<Item = &'a Measur
 }
 
 fn range([low, high]: [u64; 2]) -> String {
-    format!("{} to {}", grouped(low as usize), grouped(high as usize))
-}
-
-/// A whole number with its thousands set apart.
-fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    format!("{} to {}", grouped(low), grouped(high))
 }
 
 /// Three digits.
@@ -200,11 +188,11 @@ fn measurements(view: &View<'_>) -> String {
             measured.size.to_string(),
             mode_words(measured.mode).to_owned(),
             view.machine(measured.machine).word.clone(),
-            grouped(measured.particles),
-            grouped(measured.bonds),
-            grouped(measured.contacts),
-            grouped(measured.steps as usize),
-            grouped(measured.searches as usize),
+            grouped(measured.particles as u64),
+            grouped(measured.bonds as u64),
+            grouped(measured.contacts as u64),
+            grouped(measured.steps),
+            grouped(measured.searches),
             digits(1e3 * measured.seconds_per_step),
             digits(1e3 * measured.median_seconds_per_step),
             digits(measured.cundall()),

@@ -142,7 +142,7 @@ fn far_from_the_bulk(bench: &mut Bench) -> Result<(), Fault> {
         }
         for k in 0..20 {
             let mut place: [f64; 3] = std::array::from_fn(|d| FAR * (2.0 * random(61, 3 * k + d) - 1.0));
-            // Near the bulk in all directions but one, too.
+            // Some are far in fewer directions, and near the bulk in the others.
             place
                 .iter_mut()
                 .enumerate()

@@ -31,7 +31,7 @@ pub(super) fn section(view: &View<'_>) -> String {
             for (point, measured) in points.iter().zip(&series) {
                 let about = format!(
                     "{model}, {mode} mode, {} particles: {} GB",
-                    grouped(measured.particles),
+                    grouped(measured.particles as u64),
                     digits(1e-9 * measured.memory_bytes)
                 );
                 chart.mark(*point, shape, &colour(model), &about);

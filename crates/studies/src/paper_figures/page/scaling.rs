@@ -45,7 +45,7 @@ fn chart(view: &View<'_>, mode: Mode) -> String {
                 let about = format!(
                     "{model} on {}, {} particles: {} ms",
                     view.machine(place).name,
-                    grouped(measured.particles),
+                    grouped(measured.particles as u64),
                     digits(milliseconds(measured))
                 );
                 chart.mark(*point, shape, &colour(model), &about);
@@ -122,7 +122,7 @@ fn speed_ups(view: &View<'_>) -> String {
                 rows.push(vec![
                     fast.model.to_string(),
                     mode_words(mode).to_owned(),
-                    grouped(fast.particles),
+                    grouped(fast.particles as u64),
                     other.word.clone(),
                     digits(milliseconds(fast)),
                     digits(milliseconds(slow)),

@@ -125,6 +125,17 @@ fn numbers_are_those_that_were_measured() {
 }
 
 #[test]
+fn records_are_read_again_and_those_of_no_machine_are_refused() {
+    let whole = record(2);
+    let read = |record: &Record| Record::read(&record.json().expect("numbers are finite"));
+    assert_eq!(page(&read(&whole).expect("it was written so")), page(&whole));
+    let lost = Record { machines: whole.machines[..1].to_vec(), ..whole.clone() };
+    assert!(read(&lost).expect_err("one machine is gone").to_string().contains("no machine 1"));
+    let none = Record { machines: Vec::new(), measurements: Vec::new(), ..whole };
+    assert!(read(&none).expect_err("all machines are gone").to_string().contains("no machines"));
+}
+
+#[test]
 fn what_is_missing_is_said() {
     let mut record = record(1);
     record.measurements.truncate(3);
