@@ -13,8 +13,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::thread::available_parallelism;
 use std::time::Instant;
-use tdem_engine::cpu;
+use tdem_engine::{Device, cpu};
 use tdem_studies::paper_figures::{Failure, Machine, Measured, Mode, Model, Record, Scene, Size, page, table};
 
 pub(crate) const HELP: &str = "\
@@ -49,9 +50,9 @@ pub(crate) struct Arguments {
     /// Models, separated by commas [default: GN,GNT,GNTM,BPM,TBPM]
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',')]
     models: Vec<Model>,
-    /// Threads of the CPU [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    /// Numbers of threads of the CPU, separated by commas, each measured on its own [default: all cores, then one]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Vec<u16>,
     /// About how long each measurement takes, s
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = seconds)]
     seconds: f64,
@@ -141,7 +142,7 @@ fn measure(task: &Task, mode: Mode, arguments: &Arguments, record: &mut Record) 
 /// A measurement on one line.
 fn line(found: &Measured, machine: &Machine, count: usize, planned: usize) -> String {
     format!(
-        "{count:>3}/{planned}  {:<5} {:<5} {:<6} {:<6}  {:>9} particles  {:>10.3} ms/step  {:.3e} particle-steps/s",
+        "{count:>3}/{planned}  {:<5} {:<5} {:<6} {:<10}  {:>9} particles  {:>10.3} ms/step  {:.3e} particle-steps/s",
         found.model,
         found.size,
         found.mode,
@@ -174,38 +175,58 @@ fn draw(folder: &Path, record: &Record) -> Result<(), Reports> {
 
 /// The devices that were asked for, with what they can do at most.
 fn machines(arguments: &Arguments) -> Result<Vec<Machine>, Reports> {
-    let options = cpu::Options { threads: arguments.threads.map(usize::from), ..cpu::Options::default() };
-    let mut machines: Vec<Machine> = Vec::new();
+    let mut devices: Vec<Found> = Vec::new();
     for &choice in &arguments.device {
-        let found = choice.find(options)?;
-        let beside = choice == Choice::Auto && found.listing.is_some();
-        machines.push(machine(&found)?);
-        if beside {
-            machines.push(machine(&Choice::Cpu.find(options)?)?);
+        let found = choice.find(cpu::Options::default())?;
+        let gpu = found.listing.is_some();
+        if gpu {
+            devices.push(found);
+        }
+        if !gpu || choice == Choice::Auto {
+            for threads in threads(arguments) {
+                devices.push(Choice::Cpu.find(cpu::Options { threads: Some(threads), ..cpu::Options::default() })?);
+            }
         }
     }
-    let mut known: Vec<Machine> = Vec::new();
-    machines.retain(|machine| {
-        let new = known.iter().all(|other| other.device != machine.device);
-        known.push(machine.clone());
-        new
-    });
+    let mut machines: Vec<Machine> = Vec::new();
+    for found in &devices {
+        if machines.iter().all(|known| known.device != found.device) {
+            machines.push(machine(found)?);
+        }
+    }
     Ok(machines)
 }
 
+/// With how many threads the CPU is measured.
+fn threads(arguments: &Arguments) -> Vec<usize> {
+    if arguments.threads.is_empty() {
+        vec![available_parallelism().map_or(1, usize::from), 1]
+    } else {
+        arguments.threads.iter().copied().map(usize::from).collect()
+    }
+}
+
 fn machine(found: &Found) -> Result<Machine, Reports> {
+    let threads = match found.device {
+        Device::Cpu(options) => options.threads,
+        Device::Gpu { .. } => None,
+    };
     let operations_per_second = found.device.arithmetic_rate().map_err(|fault| {
         Report::new(codes::BENCH_FAULT, format!("{}: arithmetic cannot be measured: {fault}", found.name))
     })?;
     Ok(Machine {
         device: found.device,
-        word: found.listing.as_ref().map_or("cpu", |listing| word(listing.api)).to_owned(),
+        word: match (&found.listing, threads) {
+            (Some(listing), _) => word(listing.api).to_owned(),
+            (None, threads) => counted(threads.unwrap_or(1) as u64, "thread"),
+        },
         name: found.listing.as_ref().map_or_else(processor, |_| found.name.clone()),
         driver: match &found.listing {
             Some(listing) => listing.driver.clone(),
             None => found.name.trim_start_matches("CPU, ").to_owned(),
         },
         gpu: found.listing.is_some(),
+        threads,
         memory_bytes: found.listing.as_ref().map_or_else(memory::free, |listing| Some(listing.memory)),
         copy_bytes_per_second: 0.0,
         operations_per_second,
@@ -273,7 +294,7 @@ fn command(arguments: &Arguments) -> String {
 mod tests {
     use super::*;
     use clap::Parser;
-    use tdem_engine::{Device, gpu::Api};
+    use tdem_engine::gpu::Api;
 
     fn machines(gpu: bool) -> Vec<Machine> {
         let machine = |gpu: bool| Machine {
@@ -282,6 +303,7 @@ mod tests {
             name: String::new(),
             driver: String::new(),
             gpu,
+            threads: None,
             memory_bytes: None,
             copy_bytes_per_second: 0.0,
             operations_per_second: 0.0,
@@ -319,7 +341,7 @@ mod tests {
 
     #[test]
     fn the_command_makes_the_same_again() {
-        let given = "--device cuda:1,cpu --sizes 88k,3m --cpu-sizes small --models GN,TBPM --threads 3 --seconds 0.5";
+        let given = "--device cuda:1,cpu --sizes 88k,3m --cpu-sizes small --models GN,TBPM --threads 3,1 --seconds 0.5";
         let text = command(&arguments(given));
         assert_eq!(text, format!("tdem bench --paper-figures {given}"));
     }

@@ -176,7 +176,7 @@ pub struct Machine {
     /// What computes.
     #[serde(skip)]
     pub device: Device,
-    /// A short word: `cuda`, `opencl`, `cpu`.
+    /// A short word: `cuda`, `opencl`, `16 threads`.
     pub word: String,
     /// What the vendor calls it.
     pub name: String,
@@ -184,6 +184,9 @@ pub struct Machine {
     pub driver: String,
     /// Whether it is a GPU.
     pub gpu: bool,
+    /// Threads of a processor.
+    #[serde(default)]
+    pub threads: Option<usize>,
     /// Memory that can be used, bytes, if it is known.
     pub memory_bytes: Option<u64>,
     /// How fast it copies, bytes read and written per second; 0 before anything was measured.

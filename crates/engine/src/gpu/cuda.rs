@@ -369,7 +369,7 @@ fn listing(index: usize) -> Result<Listing, Error> {
         api: Api::Cuda,
         index,
         name: result::device::get_name(device).map_err(asked)?,
-        driver: format!("CUDA {}.{}", driver / 1000, driver % 1000 / 10),
+        driver: named(driver, std::fs::read_to_string(MODULE).ok().as_deref()),
         // SAFETY: the device comes from the driver.
         memory: unsafe { result::device::total_mem(device) }.map_err(asked)? as u64,
         fp64: true,
@@ -379,6 +379,17 @@ fn listing(index: usize) -> Result<Listing, Error> {
             .map_err(asked)? as u32,
         usable: Ok(()),
     })
+}
+
+/// Where NVIDIA's module tells its version on Linux.
+const MODULE: &str = "/proc/driver/nvidia/version";
+
+/// The driver's own version, where its module tells it, and the version of CUDA that it knows.
+fn named(driver: i32, module: Option<&str>) -> String {
+    let number = |word: &&str| word.contains('.') && word.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let own = module.and_then(|text| text.lines().next()?.split_whitespace().find(number));
+    let cuda = format!("CUDA {}.{}", driver / 1000, driver % 1000 / 10);
+    own.map_or(cuda.clone(), |own| format!("{own}, {cuda}"))
 }
 
 fn driver_version() -> Result<i32, Error> {
@@ -498,5 +509,14 @@ mod tests {
     fn a_panic_of_the_binding_is_an_error() {
         let error = guarded::<()>(|| panic!("no library {}", 1));
         assert_eq!(error, Err(Error::Missing { why: "no library 1".to_owned() }));
+    }
+
+    #[test]
+    fn the_version_of_the_driver_is_found_in_what_its_module_tells() {
+        let closed = "NVRM version: NVIDIA UNIX x86_64 Kernel Module  550.54.15  Tue Mar  5 22:23:56 UTC 2024\nGCC version: 12.2.0";
+        let open = "NVRM version: NVIDIA UNIX Open Kernel Module for x86_64  580.159.04  Release Build";
+        assert_eq!(named(12_040, Some(closed)), "550.54.15, CUDA 12.4");
+        assert_eq!(named(13_000, Some(open)), "580.159.04, CUDA 13.0");
+        assert_eq!([named(13_000, Some("")), named(13_000, None)], ["CUDA 13.0", "CUDA 13.0"]);
     }
 }

@@ -260,6 +260,7 @@ mod tests {
             name: "name".into(),
             driver: String::new(),
             gpu,
+            threads: None,
             memory_bytes: None,
             copy_bytes_per_second: 0.0,
             operations_per_second: 0.0,

@@ -1,5 +1,6 @@
 //! The page: figures 3 to 7 of the paper from measured data, beside what it prints. One file of HTML that loads nothing.
 
+mod cores;
 mod memory;
 mod overhead;
 mod roofline;
@@ -276,6 +277,7 @@ fn digits_of_paper(value: f64) -> String {
 fn quantity_words(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Bandwidth => "bandwidth",
+        Quantity::Cores => "cores",
         Quantity::MemoryAtMost => "memory, at most",
         Quantity::MemoryOverGn => "memory over that of GN",
         Quantity::ShareIntegration => "share of integration",

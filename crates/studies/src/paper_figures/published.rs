@@ -62,6 +62,8 @@ pub enum On {
 pub enum Quantity {
     /// Nominal bandwidth, B/s.
     Bandwidth,
+    /// Cores of the processors.
+    Cores,
     /// Memory, B.
     MemoryAtMost,
     /// Memory over that of GN.
@@ -150,6 +152,7 @@ mod tests {
         let gpu = Some(On::Gpu);
         let expected = [
             (Q::Bandwidth, None, gpu, 549e9),
+            (Q::Cores, None, Some(On::Cpu), 20.0),
             (Q::MemoryOverGn, Some(GNT), None, 2.4),
             (Q::MemoryOverGn, Some(GNTM), None, 2.4 * 1.13),
             (Q::MemoryOverGn, Some(BPM), None, 5.4 - 0.338),

@@ -18,13 +18,21 @@ fn points<'a>(view: &'a View<'_>, place: usize) -> Vec<(&'a Measured, &'a Point)
     kernels.chain(of(Mode::Best, |point| point.name == "step")).collect()
 }
 
-/// Operations per byte of the paper's kernels 4 and 5.
-fn intensities(view: &View<'_>) -> [(&'static str, f64); 2] {
+/// The paper's kernels 4 and 5: operations and bytes in words, and operations per byte.
+fn intensities(view: &View<'_>) -> [(&'static str, [String; 2], f64); 2] {
     let number = |quantity| view.published.constant(quantity);
     let contacts = number(Quantity::OperationsOfContact) * number(Quantity::ContactsAtMost);
+    let counted = |name, operations: f64, bytes: f64, of: &str| {
+        (name, [operations, bytes].map(|count| format!("{count}{of}")), operations / bytes)
+    };
     [
-        ("paper\u{2019}s kernel 4, contacts", contacts / number(Quantity::BytesOfContacts)),
-        ("paper\u{2019}s kernel 5, bonds", number(Quantity::OperationsOfBond) / number(Quantity::BytesOfBond)),
+        counted("paper\u{2019}s kernel 4, contacts", contacts, number(Quantity::BytesOfContacts), ""),
+        counted(
+            "paper\u{2019}s kernel 5, bonds",
+            number(Quantity::OperationsOfBond),
+            number(Quantity::BytesOfBond),
+            " a bond",
+        ),
     ]
 }
 
@@ -42,7 +50,7 @@ fn chart(view: &View<'_>, place: usize) -> String {
     let x: Vec<f64> = points
         .iter()
         .map(|(_, point)| point.intensity())
-        .chain(marks.map(|(_, intensity)| intensity))
+        .chain(marks.iter().map(|(.., intensity)| *intensity))
         .chain([3.0 * knee, 0.1])
         .filter(|x| x.is_finite())
         .collect();
@@ -59,7 +67,7 @@ fn chart(view: &View<'_>, place: usize) -> String {
     chart.line(&ceiling, "paper");
     let until = right.min(machine.operations_per_second / bandwidth);
     chart.line(&[left, until].map(|x| [x, 1e-9 * bandwidth * x]), "paper broken thin");
-    for (_, intensity) in marks {
+    for (.., intensity) in marks {
         chart.upright(intensity, 1e-9 * roof(machine, intensity), "paper dotted thin");
     }
     for (measured, point) in points {
@@ -112,15 +120,14 @@ pub(super) fn section(view: &View<'_>) -> String {
         }
     }
     charts += "</div>\n";
-    for (name, intensity) in intensities(view) {
+    for (name, counted, intensity) in intensities(view) {
         let rest = ["\u{2013}".to_owned(), "\u{2013}".to_owned()];
-        let (operations, bytes) = if name.contains('4') { ("3468", "2256") } else { ("277 a bond", "504 a bond") };
         rows.push(vec![
             name.to_owned(),
             "paper".to_owned(),
             String::new(),
-            operations.to_owned(),
-            bytes.to_owned(),
+            counted[0].clone(),
+            counted[1].clone(),
             digits(intensity),
             rest[0].clone(),
             rest[1].clone(),

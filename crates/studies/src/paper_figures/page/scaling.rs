@@ -2,9 +2,10 @@
 
 use super::super::chart::{Axis, Chart, Scale, Shape};
 use super::super::figures::View;
-use super::super::{Measured, Mode, Model, Quantity};
+use super::super::{Machine, Measured, Mode, Model, Quantity};
 use super::{
-    colour, conditions, digits, grouped, key, maybe, mode_words, models, particles, section as wrapped, short, table,
+    colour, conditions, cores, digits, grouped, key, maybe, mode_words, models, particles, section as wrapped, short,
+    table,
 };
 
 /// The paper's largest sizes.
@@ -36,15 +37,15 @@ fn chart(view: &View<'_>, mode: Mode) -> String {
         &about,
     );
     for place in 0..view.record.machines.len() {
-        let (class, shape) = if place == 0 { ("", Shape::Disc) } else { (" broken", Shape::Square) };
+        let shape = if place == 0 { Shape::Disc } else { Shape::Square };
         for model in Model::ALL {
             let series = view.series(place, mode, model);
             let points: Vec<[f64; 2]> = series.iter().map(|m| [m.particles as f64, milliseconds(m)]).collect();
-            chart.line(&points, &(colour(model) + class));
+            chart.line(&points, &(colour(model) + stroke(place)));
             for (point, measured) in points.iter().zip(&series) {
                 let about = format!(
                     "{model} on {}, {} particles: {} ms",
-                    view.machine(place).name,
+                    called(view.machine(place)),
                     grouped(measured.particles as u64),
                     digits(milliseconds(measured))
                 );
@@ -62,6 +63,17 @@ fn chart(view: &View<'_>, mode: Mode) -> String {
         }
     }
     format!("<figure><b>{}</b>{}{}</figure>\n", mode_words(mode), chart.finish(), conditions(view, all.iter().copied()))
+}
+
+/// How the lines of a machine are drawn.
+fn stroke(place: usize) -> &'static str {
+    ["", " broken", " dotted"][place.min(2)]
+}
+
+/// A machine's name; of a processor the threads, too.
+fn called(machine: &Machine) -> String {
+    let threads = machine.threads.map(|_| format!(", {}", machine.word));
+    machine.name.clone() + threads.as_deref().unwrap_or_default()
 }
 
 /// Particle-steps per second beside those of the paper.
@@ -103,8 +115,13 @@ fn cundall(view: &View<'_>) -> String {
         + &table(&head, &rows)
 }
 
-/// The first machine, a GPU, over the others.
+/// The first machine, if it is a GPU, over the others.
 fn speed_ups(view: &View<'_>) -> String {
+    if !view.machine(0).gpu {
+        return "<p class=\"soft\">No GPU is the first device: no speed-up. The paper: GNTM 3.0 to 7.2, BPM and TBPM up to \
+                7.4, one P100 over 20 cores.</p>\n"
+            .to_owned();
+    }
     let mut rows = Vec::new();
     for (place, other) in view.record.machines.iter().enumerate().skip(1) {
         for mode in Mode::ALL {
@@ -133,9 +150,7 @@ fn speed_ups(view: &View<'_>) -> String {
         }
     }
     if rows.is_empty() {
-        return "<p class=\"soft\">Only one device was measured: no speed-up. The paper: GNTM 3.0 to 7.2, BPM and TBPM up to \
-                7.4, one P100 over 20 cores.</p>\n"
-            .to_owned();
+        return "<p class=\"soft\">Nothing else was measured at the same size: no speed-up.</p>\n".to_owned();
     }
     let head = ["speed-up", "mode", "N", "against", "ms", "ms there", "times as fast", "paper, over 20 cores"];
     table(&head, &rows)
@@ -144,13 +159,13 @@ fn speed_ups(view: &View<'_>) -> String {
 pub(super) fn section(view: &View<'_>) -> String {
     let mut entries = models(view);
     for (place, machine) in view.record.machines.iter().enumerate() {
-        let class = if place == 0 { "stroke" } else { "stroke broken" };
-        entries.push((class.to_owned(), super::escaped(&machine.name)));
+        entries.push(("stroke".to_owned() + stroke(place), super::escaped(&called(machine))));
     }
     entries.push(("ring".to_owned(), "P100, from the printed Cundall number".to_owned()));
     entries.push(("cross".to_owned(), "the same, scaled by bandwidth".to_owned()));
     let charts: String = Mode::ALL.map(|mode| chart(view, mode)).concat();
-    let body = format!("{}<div class=\"charts\">\n{charts}</div>\n{}{}", key(&entries), cundall(view), speed_ups(view));
+    let tables = [cundall(view), speed_ups(view), cores::tables(view)].concat();
+    let body = format!("{}<div class=\"charts\">\n{charts}</div>\n{tables}", key(&entries));
     let about = "Whole steps at the best of the repeats; on a GPU stages are joined as this program joins them. The paper\u{2019}s \
                  times are those of its paper mode, also beside our best mode.";
     wrapped(5, "time of a step, and the speed-up", about, &body)
