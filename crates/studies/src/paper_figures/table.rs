@@ -13,9 +13,8 @@ pub fn table(record: &Record) -> String {
     for (place, machine) in record.machines.iter().enumerate() {
         let _ = writeln!(
             text,
-            "{} ({}, {}): a copy moves {:.4} GB/s, {:.4} GOp/s at most\n",
+            "{} ({}): a copy moves {:.4} GB/s, {:.4} GOp/s at most\n",
             machine.name,
-            machine.word,
             machine.driver,
             1e-9 * machine.copy_bytes_per_second,
             1e-9 * machine.operations_per_second
