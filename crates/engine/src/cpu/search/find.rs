@@ -171,7 +171,7 @@ mod tests {
         let grids: Vec<Grid> = (0..3)
             .map(|class| {
                 let members: Vec<u32> = (0..n).filter(|&i| class_of(radius(i), 0.05) == class).collect();
-                Grid::new(&place, &members, 0.11 * 0.5_f64.powf(class as f64) + 0.01, &domain)
+                Grid::new(&place, &members, [0.111, 0.061, 0.036][class], &domain)
             })
             .collect();
         let mut rows = Vec::new();
