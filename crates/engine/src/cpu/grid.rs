@@ -2,6 +2,10 @@
 
 use super::bodies::Quad;
 use crate::Domain;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+use tdem_physics::real::WIDTH;
 
 /// Most cells along a direction that are told apart.
 const MOST: f64 = (1_u32 << 30) as f64;
@@ -57,20 +61,15 @@ pub(crate) struct Grid {
     wraps: [bool; 3],
     /// Where the particles of each cell start.
     start: Vec<u32>,
-    /// Particles, cell by cell.
+    /// Particles, cell by cell, and eight entries more that mean nothing.
     items: Vec<u32>,
 }
 
 impl Grid {
-    /// Sorts `members` (indices into `place`) into cells of at least `width`.
+    /// Sorts `members` (indices into `place`) into cells of at least `width`. In which order the members of a cell come, is
+    /// left to chance.
     pub(crate) fn new(place: &[Quad], members: &[u32], width: f64, domain: &Domain) -> Self {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &i in members {
-            for k in 0..3 {
-                min[k] = min[k].min(place[i as usize].0[k]);
-                max[k] = max[k].max(place[i as usize].0[k]);
-            }
-        }
+        let (mut min, mut max) = extremes(members.par_iter().map(|&i| &place[i as usize]));
         let wraps = domain.periodic;
         for k in 0..3 {
             if wraps[k] {
@@ -79,24 +78,29 @@ impl Grid {
         }
         let extent = std::array::from_fn(|k| max[k] - min[k]);
         let division = Division::new(extent, width, wraps, budget(members.len()));
-        let cells = division.cells.map(|c| c as usize);
+        let cells = division.cells.iter().map(|&c| c as usize).product();
         let mut grid = Grid { min, division, wraps, start: Vec::new(), items: Vec::new() };
-        let cell_of: Vec<u32> = members.iter().map(|&i| grid.linear(grid.cell(&place[i as usize])) as u32).collect();
-        let mut start = vec![0_u32; cells.iter().product::<usize>() + 1];
-        for &cell in &cell_of {
-            start[cell as usize + 1] += 1;
-        }
-        for cell in 1..start.len() {
-            start[cell] += start[cell - 1];
-        }
-        let mut next = start.clone();
-        let mut items = vec![0; members.len()];
-        for (&member, &cell) in members.iter().zip(&cell_of) {
-            items[next[cell as usize] as usize] = member;
-            next[cell as usize] += 1;
-        }
-        grid.start = start;
-        grid.items = items;
+        let count: Vec<AtomicU32> = (0..cells).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        // The cell of each member, and how many came to it before.
+        let places: Vec<(u32, u32)> = members
+            .par_iter()
+            .map(|&i| {
+                let cell = grid.linear(grid.cell(&place[i as usize]));
+                (cell as u32, count[cell].fetch_add(1, Ordering::Relaxed))
+            })
+            .collect();
+        let mut end = 0;
+        grid.start = std::iter::once(0)
+            .chain(count.into_iter().map(|count| {
+                end += count.into_inner();
+                end
+            }))
+            .collect();
+        let items: Vec<AtomicU32> = (0..members.len() + WIDTH).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        members.par_iter().zip(&places).for_each(|(&member, &(cell, before))| {
+            items[(grid.start[cell as usize] + before) as usize].store(member, Ordering::Relaxed);
+        });
+        grid.items = items.into_iter().map(AtomicU32::into_inner).collect();
         grid
     }
 
@@ -116,9 +120,9 @@ impl Grid {
         (z * cells_y + y) * cells_x + x
     }
 
-    /// Calls `visit` with the members of all cells around a point, whether the point is inside the grid or not.
-    #[inline(always)]
-    pub(crate) fn around(&self, place: &Quad, mut visit: impl FnMut(&[u32])) {
+    /// Lists the members of all cells around a point, whether the point is inside the grid or not.
+    pub(crate) fn around(&self, place: &Quad, candidates: &mut Candidates) {
+        candidates.count = 0;
         let mut near = [[0_usize; 3]; 3];
         let mut count = [0_usize; 3];
         for k in 0..3 {
@@ -129,7 +133,8 @@ impl Grid {
                 if !self.wraps[k] && (c < 0 || c >= along) {
                     continue;
                 }
-                let c = c.rem_euclid(cells) as usize;
+                // Most directions are not folded, and a division takes long.
+                let c = if (0..cells).contains(&c) { c } else { c.rem_euclid(cells) } as usize;
                 // With one or two cells a step to either side may end in the same cell.
                 if !near[k][..count[k]].contains(&c) {
                     near[k][count[k]] = c;
@@ -137,15 +142,65 @@ impl Grid {
                 }
             }
         }
-        for &z in &near[2][..count[2]] {
-            for &y in &near[1][..count[1]] {
-                for &x in &near[0][..count[0]] {
-                    let cell = self.linear([x, y, z]);
-                    visit(&self.items[self.start[cell] as usize..self.start[cell + 1] as usize]);
+        // Cells side by side along x are side by side in memory.
+        let [x, y, z] = std::array::from_fn(|k| &near[k][..count[k]]);
+        for &z in z {
+            for &y in y {
+                for run in x.chunk_by(|a, b| a + 1 == *b) {
+                    let (first, cells) = (self.linear([run[0], y, z]), run.len());
+                    candidates.add(&self.items, self.start[first] as usize..self.start[first + cells] as usize);
                 }
             }
         }
     }
+}
+
+/// Particles that may be near another, in groups of eight.
+#[derive(Default)]
+pub(crate) struct Candidates {
+    particles: Vec<u32>,
+    count: usize,
+}
+
+impl Candidates {
+    /// Adds a part of `items`, behind which there are eight more at least. Copies eight at a time: most parts are shorter.
+    #[inline(always)]
+    fn add(&mut self, items: &[u32], part: Range<usize>) {
+        let room = (self.count + part.len() + WIDTH).next_multiple_of(WIDTH);
+        if self.particles.len() < room {
+            self.particles.resize(2 * room, 0);
+        }
+        for from in part.clone().step_by(WIDTH) {
+            let to = self.count + from - part.start;
+            self.particles[to..to + WIDTH].copy_from_slice(&items[from..from + WIDTH]);
+        }
+        self.count += part.len();
+    }
+    /// How many groups there are.
+    #[inline(always)]
+    pub(crate) fn groups(&self) -> usize {
+        self.count.div_ceil(WIDTH)
+    }
+    /// The particles of a group, and one bit for each that is a candidate.
+    #[inline(always)]
+    pub(crate) fn group(&self, group: usize) -> (&[u32; WIDTH], u8) {
+        let particles = &self.particles.as_chunks().0[group];
+        let valid = self.count - group * WIDTH;
+        (particles, if valid < WIDTH { (1 << valid) - 1 } else { u8::MAX })
+    }
+}
+
+/// The lowest and the highest coordinates of places.
+pub(crate) fn extremes<'a>(places: impl ParallelIterator<Item = &'a Quad>) -> ([f64; 3], [f64; 3]) {
+    let none = || ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let join = |(min, max): ([f64; 3], [f64; 3]), (low, high): ([f64; 3], [f64; 3])| {
+        (std::array::from_fn(|k| min[k].min(low[k])), std::array::from_fn(|k| max[k].max(high[k])))
+    };
+    let with = |so_far, place: &Quad| {
+        let [x, y, z, _] = place.0;
+        join(so_far, ([x, y, z], [x, y, z]))
+    };
+    places.fold(none, with).reduce(none, join)
 }
 
 /// Most cells for so many particles.
@@ -224,16 +279,19 @@ mod tests {
         let domain = Domain { min: [-1e10; 3], max: [1e10; 3], periodic: [false; 3] };
         let grid = Grid::new(&place, &members, 0.12, &domain);
         let mut looked_at = 0;
+        let mut candidates = Candidates::default();
         for (i, a) in place.iter().enumerate() {
             let near = |j: usize| {
                 let offset = place[j].vector() - a.vector();
                 j != i && offset.dot(offset) < 0.12 * 0.12
             };
             let mut found = Vec::new();
-            grid.around(a, |members| {
-                looked_at += members.len();
-                found.extend(members.iter().map(|&j| j as usize).filter(|&j| near(j)));
-            });
+            grid.around(a, &mut candidates);
+            for (eight, valid) in (0..candidates.groups()).map(|group| candidates.group(group)) {
+                looked_at += valid.count_ones() as usize;
+                found
+                    .extend((0..WIDTH).filter(|l| valid >> l & 1 == 1).map(|l| eight[l] as usize).filter(|&j| near(j)));
+            }
             found.sort_unstable();
             assert_eq!(found, (0..place.len()).filter(|&j| near(j)).collect::<Vec<_>>(), "around particle {i}");
         }

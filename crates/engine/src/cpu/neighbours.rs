@@ -1,7 +1,7 @@
 //! Who may touch whom until the next search, and what pairs remember.
 
 use super::CHUNK;
-use super::pieces::split;
+use super::pieces::{chunks_of, split};
 use crate::{HeatPlan, Plan};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -55,27 +55,26 @@ pub(crate) struct WallSlot {
     pub(crate) made: f64,
 }
 
-/// What touching pairs remember, in the order of ranks: the form that survives a new order of the particles.
+/// What touching pairs remember, in a form that survives a new order of the particles.
 #[derive(Default)]
 pub(crate) struct Histories {
-    /// Where the pairs of each lower rank start, `(N + 1)`.
+    /// Where the pairs of each row start, `(N + 1)`. Rows are those of the lower ranks.
     pub(crate) start: Vec<u32>,
-    /// The higher rank.
+    /// The higher rank, ascending in each row.
     pub(crate) second: Vec<u32>,
-    /// m.
+    /// m; empty without friction.
     pub(crate) displacement: Vec<[f64; 3]>,
     /// Particle (rank), wall and displacement, ascending.
     pub(crate) walls: Vec<(u32, u32, [f64; 3])>,
 }
 
 impl Histories {
-    /// The displacement of a pair that touched, as the first sees it.
-    pub(crate) fn of(&self, first: u32, second: u32) -> Option<[f64; 3]> {
-        let (low, high) = (first.min(second), first.max(second));
-        let row = self.start[low as usize] as usize..self.start[low as usize + 1] as usize;
-        let found = self.second[row.clone()].iter().position(|&s| s == high)?;
-        let displacement = self.displacement[row.start + found];
-        Some(if first == low { displacement } else { displacement.map(|c| -c) })
+    /// The displacement of a pair that touched, as the particle of the row sees it.
+    #[inline(always)]
+    pub(crate) fn of(&self, row: usize, second: u32) -> Option<[f64; 3]> {
+        let row = self.start[row] as usize..self.start[row + 1] as usize;
+        let found = self.second[row.clone()].iter().position(|&s| s == second)?;
+        Some(self.displacement.get(row.start + found).copied().unwrap_or_default())
     }
     /// The displacement of a particle that touched a wall.
     pub(crate) fn of_wall(&self, rank: u32, wall: u32) -> Option<[f64; 3]> {
@@ -111,27 +110,43 @@ impl Neighbours {
             }
         }
     }
-    /// Touching pairs, seen from their lower rank: ranks and displacement, ascending.
-    pub(crate) fn histories(&self, rank: &[u32]) -> Histories {
+    /// Touching pairs, seen from their lower rank: rows in the order of `by_rank`, or in working order without it; other
+    /// ranks ascend in each.
+    pub(crate) fn histories(&self, rank: &[u32], by_rank: Option<&[u32]>) -> Histories {
         let n = rank.len();
-        let by_rank = indices_by_rank(rank);
-        let mine = |i: u32| {
-            let touching = self.row(i as usize).filter(|&pair| self.touching[pair]);
-            touching.filter(move |&pair| rank[i as usize] < rank[self.other[pair] as usize])
+        let mine = |row: usize| {
+            let i = by_rank.map_or(row, |by_rank| by_rank[row] as usize);
+            let touching = self.row(i).filter(|&pair| self.touching[pair]);
+            touching.filter(move |&pair| rank[i] < rank[self.other[pair] as usize])
         };
-        let mut start = vec![0_u32; n + 1];
-        start[1..].par_iter_mut().zip(&by_rank).for_each(|(count, &i)| *count = mine(i).count() as u32);
-        for r in 0..n {
-            start[r + 1] += start[r];
-        }
-        let touching = start[n] as usize;
-        let (mut second, mut displacement) = (vec![0; touching], vec![[0.0; 3]; touching]);
-        let bounds: Vec<usize> = (0..n).step_by(CHUNK).chain([n]).map(|r| start[r] as usize).collect();
-        let pieces: Vec<_> = split(&mut second, &bounds).zip(split(&mut displacement, &bounds)).collect();
-        pieces.into_par_iter().zip(by_rank.par_chunks(CHUNK)).for_each(|((second, displacement), chunk)| {
-            for (place, pair) in chunk.iter().flat_map(|&i| mine(i)).enumerate() {
-                second[place] = rank[self.other[pair] as usize];
-                displacement[place] = self.displacement.get(pair).copied().unwrap_or_default();
+        let chunks = chunks_of(n);
+        let count = |chunk: &[usize]| (chunk[0]..chunk[1]).map(|row| mine(row).count()).sum::<usize>();
+        let counts: Vec<usize> = chunks.par_windows(2).map(count).collect();
+        let mut bounds = vec![0];
+        bounds.extend(counts.iter().scan(0, |end, count| {
+            *end += count;
+            Some(*end)
+        }));
+        let touching = bounds.last().copied().unwrap_or(0);
+        let remembered = if self.displacement.is_empty() { 0 } else { touching };
+        let (mut start, mut second) = (vec![0; n + 1], vec![0; touching]);
+        let mut displacement = vec![[0.0; 3]; remembered];
+        let pieces: Vec<_> = split(&mut start[1..], &chunks)
+            .zip(split(&mut second, &bounds))
+            .zip(split(&mut displacement, &bounds))
+            .zip(chunks.windows(2).zip(&bounds))
+            .collect();
+        pieces.into_par_iter().for_each(|(((end, second), displacement), (chunk, &first))| {
+            let mut place = 0;
+            for (row, end) in (chunk[0]..chunk[1]).zip(end) {
+                for pair in mine(row) {
+                    second[place] = rank[self.other[pair] as usize];
+                    if let Some(displacement) = displacement.get_mut(place) {
+                        *displacement = self.displacement[pair];
+                    }
+                    place += 1;
+                }
+                *end = (first + place) as u32;
             }
         });
         let mut walls: Vec<_> = self
@@ -198,6 +213,17 @@ impl Neighbours {
             + size(&self.wall_slots)
             + size(&self.wall_start)
     }
+}
+
+/// Gives a field of a new list its length. What it holds then means nothing: all of it is to be written. Memory is kept,
+/// so that a search need not ask for it again; where more is needed, a thirtieth more is asked for, which costs nothing
+/// until it is written.
+pub(crate) fn fit<T: Copy + Default>(field: &mut Vec<T>, length: usize) {
+    if field.capacity() < length {
+        *field = Vec::new();
+        *field = vec![T::default(); length + length / 30];
+    }
+    field.resize(length, T::default());
 }
 
 /// Where each rank stands in working order, `(N)`.

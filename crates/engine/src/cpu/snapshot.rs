@@ -25,7 +25,7 @@ impl Cpu {
     pub(super) fn state(&self) -> State {
         let bodies = &self.bodies;
         let by_rank = &indices_by_rank(&bodies.rank)[..];
-        let histories = self.neighbours.histories(&bodies.rank);
+        let histories = self.neighbours.histories(&bodies.rank, Some(by_rank));
         let contacts = self.contacts(&histories);
         let wall_contacts = histories.walls.iter().map(|&(rank, wall, displacement)| WallContact {
             particle: self.ids[rank as usize],
@@ -73,11 +73,11 @@ impl Cpu {
     /// Histories by id.
     fn contacts(&self, histories: &Histories) -> Vec<Contact> {
         let first = |pair: usize| histories.start.partition_point(|&start| start as usize <= pair) - 1;
-        (histories.second.par_iter().zip(&histories.displacement).enumerate())
-            .map(|(pair, (&second, &displacement))| Contact {
+        (histories.second.par_iter().enumerate())
+            .map(|(pair, &second)| Contact {
                 first: self.ids[first(pair)],
                 second: self.ids[second as usize],
-                displacement,
+                displacement: histories.displacement.get(pair).copied().unwrap_or_default(),
             })
             .collect()
     }

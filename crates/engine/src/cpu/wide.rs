@@ -2,6 +2,7 @@
 #![allow(unsafe_code, reason = "an instruction may be used only on machines that were asked whether they have it")]
 
 use super::bodies::Quad;
+use tdem_physics::contact::Period;
 use tdem_physics::real::{Lanes, WIDTH};
 use tdem_physics::{Real, Vec3, vec3};
 
@@ -78,6 +79,13 @@ pub(super) fn prefetch<T>(field: &[T], index: usize) {
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (field, index);
+}
+
+/// A box that repeats, for eight numbers.
+#[inline(always)]
+pub(super) fn lanes_period<R: Eight>(period: &Period<f64>) -> Period<R> {
+    let eight = |v: &Vec3<f64>| vec3(R::lit(v.x), R::lit(v.y), R::lit(v.z));
+    Period { length: eight(&period.length), half: eight(&period.half) }
 }
 
 /// A loop over eight numbers at a time, written for any kind of them.

@@ -4,7 +4,7 @@ use super::{Rows, Scene};
 use crate::BondHistory;
 use crate::bond::only_bond;
 use crate::cpu::bodies::Quad;
-use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
+use crate::cpu::wide::{Eight, Loop, lanes_period, prefetch, run_portable, run_widest};
 use tdem_physics::bond::{
     Advance, Bond, Cement, Coefficients, Damping, Ends, Form, History, Joint, Posture, Reaction, Rest, damping,
     respond_incremental, respond_total, stored_energy,
@@ -46,7 +46,7 @@ fn rows_eight<R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Vec<u32> {
     rows.open_books();
     let mut failed = Vec::new();
     let slots = rows.slots();
-    let period = lanes_period(scene);
+    let period = scene.period.as_ref().map(lanes_period);
     let only = scene.alike.and_then(only_bond).as_ref().map(splat_bond::<R>);
     let zero = R::lit(0.0);
     for base in slots.clone().step_by(WIDTH) {
@@ -201,15 +201,6 @@ fn bonded<R: Eight>(scene: &Scene<'_>, group: &Group, ends: &Ends<R>) -> Ends<R>
 
 // Loads and stores are functions that are always inlined, not closures: a closure that stays a function is compiled
 // without the instruction set of its caller, and every instruction in it becomes a call.
-
-#[inline(always)]
-fn lanes_period<R: Eight>(scene: &Scene<'_>) -> Option<Period<R>> {
-    let p = scene.period.as_ref()?;
-    Some(Period {
-        length: vec3(R::lit(p.length.x), R::lit(p.length.y), R::lit(p.length.z)),
-        half: vec3(R::lit(p.half.x), R::lit(p.half.y), R::lit(p.half.z)),
-    })
-}
 
 /// The particles of eight bonds; without their motion where the law does not look at it.
 #[inline(always)]

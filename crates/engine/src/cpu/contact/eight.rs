@@ -2,7 +2,7 @@
 
 use super::heat::WarmEights;
 use super::{Crushed, Rows, Scene, Variant, worse};
-use crate::cpu::wide::{Eight, Loop, prefetch, run_portable, run_widest};
+use crate::cpu::wide::{Eight, Loop, lanes_period, prefetch, run_portable, run_widest};
 use std::marker::PhantomData;
 use tdem_physics::contact::encounter::lever_arm;
 use tdem_physics::contact::{
@@ -180,7 +180,7 @@ impl<R: Eight> Eights<R> {
     fn new<V: Variant>(scene: &Scene<'_>) -> Self {
         Eights {
             law: scene.law::<V>(),
-            period: lanes_period(scene),
+            period: scene.period.as_ref().map(lanes_period),
             step: R::lit(scene.step),
             overlap_limit: R::lit(scene.overlap_limit),
             alone: if scene.interactions.len() == 1 { Some(splat(&scene.interactions[0])) } else { None },
@@ -275,15 +275,6 @@ fn keep_eight<V: Variant, R: Eight>(
             rows.book::<V>(scene, group.i[l] as usize, group.j[l] as usize, group.slot[l] as usize, &losses);
         }
     }
-}
-
-#[inline(always)]
-fn lanes_period<R: Eight>(scene: &Scene<'_>) -> Option<Period<R>> {
-    let p = scene.period.as_ref()?;
-    Some(Period {
-        length: vec3(R::lit(p.length.x), R::lit(p.length.y), R::lit(p.length.z)),
-        half: vec3(R::lit(p.half.x), R::lit(p.half.y), R::lit(p.half.z)),
-    })
 }
 
 // Loads and stores are functions that are always inlined, not closures: a closure that stays a function is compiled
