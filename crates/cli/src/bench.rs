@@ -38,8 +38,8 @@ Examples:
   tdem bench contact                        all models on one thread and on two
   tdem bench contact --model gntm --threads 1,2,4,8 --json contact.json
 
-The scene: 64,000 spheres on a face-centred cubic lattice, pressed together by 0.1 %, about 11.2 contacts each (both
-ends counted), material of cases/packing.toml, steps of 1e-6 s. The neighbour list holds all the time, so the figure is
+The scene: 64,000 spheres on a face-centred cubic lattice, pressed together by 0.1 %, about 11.2 contacts each (both \
+ends counted), material of cases/packing.toml, steps of 1e-6 s. The neighbour list holds all the time, so the figure is \
 that of contacts and motion. Hashes are those of the final states: the same on every machine and for any threads.")]
 struct Contact {
     /// Models, separated by commas

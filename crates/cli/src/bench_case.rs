@@ -25,13 +25,13 @@ Examples:
   tdem bench case cases/packing.toml --set size=3m --device cuda --paper
   tdem bench case cases/heating.toml --set size=3m --device cuda --models TBPM,BPM
 
-Whole steps are measured: contacts, walls, motion, and search as often as it is due; nothing is written, and no ledger is
+Whole steps are measured: contacts, walls, motion, and search as often as it is due; nothing is written, and no ledger is \
 kept unless it is asked for. Hashes are those of the final states: the same on every device.
 
-Then some steps more are taken with a clock around each stage; what is one kernel otherwise is several then, so that the
-sum of the stages is more than a whole step. GB are the least that must be moved: all that is needed read once, all that
-changes written once, whatever caches make of it. They are compared with a copy of large arrays on the same device, bytes
-read and bytes written both counted: a case that fits into caches can be faster. Where steps take microseconds, launching
+Then some steps more are taken with a clock around each stage; what is one kernel otherwise is several then, so that the \
+sum of the stages is more than a whole step. GB are the least that must be moved: all that is needed read once, all that \
+changes written once, whatever caches make of it. They are compared with a copy of large arrays on the same device, bytes \
+read and bytes written both counted: a case that fits into caches can be faster. Where steps take microseconds, launching \
 and timing a kernel counts, too.")]
 pub(crate) struct Arguments {
     /// The case

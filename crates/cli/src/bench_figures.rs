@@ -25,9 +25,9 @@ Examples:
   tdem bench --paper-figures --device cpu --sizes small --models GN,GNTM   a quick look
   tdem bench --paper-figures --redraw                                      the page of measurements that are there
 
-The paper's five models in its three applications, each as the paper computes (Gear's integrator, a search in every step)
-and as this program does by default; without a ledger. Its figures 3 to 7 are drawn from what was measured, with the paper's
-numbers beside it, on one page, index.html, that needs no other file; bench.json and table.md hold the numbers. The files
+The paper's five models in its three applications, each as the paper computes (Gear's integrator, a search in every step) \
+and as this program does by default; without a ledger. Its figures 3 to 7 are drawn from what was measured, with the paper's \
+numbers beside it, on one page, index.html, that needs no other file; bench.json and table.md hold the numbers. The files \
 are written after each measurement, so that Ctrl-C leaves what is complete.";
 
 // Groups have the names of their structs unless they are told another.

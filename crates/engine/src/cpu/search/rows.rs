@@ -83,7 +83,9 @@ fn number_incoming(list: &mut Neighbours) {
                 let row = start[*keeper as usize]..start[*keeper as usize + 1];
                 let keeps = |&pair: &u32| other[pair as usize] as usize == j;
                 // Both sides find a pair, or neither: distances are the same to the last bit.
-                *keeper = row.clone().find(keeps).unwrap_or(row.end);
+                let pair = row.clone().find(keeps);
+                debug_assert!(pair.is_some(), "particle {j} finds {keeper}, which does not find it");
+                *keeper = pair.unwrap_or(row.end);
             }
         }
     });

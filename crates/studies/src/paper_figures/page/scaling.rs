@@ -115,6 +115,16 @@ fn cundall(view: &View<'_>) -> String {
         + &table(&head, &rows)
 }
 
+/// How much faster the paper's GPU is than its 20 cores.
+fn printed(view: &View<'_>, model: Model) -> Option<String> {
+    let range = view.published.find(Quantity::SpeedUp, Some(model), None).and_then(|value| value.range);
+    let most = view.published.value(Quantity::SpeedUpAtMost, Some(model), None);
+    match (range, most) {
+        (Some([low, high]), _) => Some(format!("{low:.1} to {high:.1}")),
+        (None, most) => most.map(|most| format!("up to {most:.1}")),
+    }
+}
+
 /// The first machine, if it is a GPU, over the others.
 fn speed_ups(view: &View<'_>) -> String {
     if !view.machine(0).gpu {
@@ -126,16 +136,8 @@ fn speed_ups(view: &View<'_>) -> String {
     for (place, other) in view.record.machines.iter().enumerate().skip(1) {
         for mode in Mode::ALL {
             for (fast, slow) in view.speed_ups(place, mode) {
-                let printed = match (view.published.find(Quantity::SpeedUp, Some(fast.model), None), mode) {
-                    (_, Mode::Best) => "\u{2013}".to_owned(),
-                    (Some(value), _) => {
-                        value.range.map_or(String::new(), |[low, high]| format!("{low:.1} to {high:.1}"))
-                    }
-                    (None, _) => view
-                        .published
-                        .value(Quantity::SpeedUpAtMost, Some(fast.model), None)
-                        .map_or("\u{2013}".to_owned(), |most| format!("up to {most:.1}")),
-                };
+                let comparable = mode == Mode::Paper && other.threads != Some(1);
+                let printed = if comparable { printed(view, fast.model) } else { None };
                 rows.push(vec![
                     fast.model.to_string(),
                     mode_words(mode).to_owned(),
@@ -144,7 +146,7 @@ fn speed_ups(view: &View<'_>) -> String {
                     digits(milliseconds(fast)),
                     digits(milliseconds(slow)),
                     digits(slow.seconds_per_step / fast.seconds_per_step),
-                    printed,
+                    printed.unwrap_or_else(|| "\u{2013}".to_owned()),
                 ]);
             }
         }

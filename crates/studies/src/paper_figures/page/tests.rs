@@ -142,6 +142,9 @@ fn the_processor_is_compared_by_the_core() {
     assert!(text.contains("<td>1.25e8</td><td>3.12e7</td><td>75 %</td><td>\u{2013}</td>"), "{text}");
     assert!(text.contains("<td>1.00e8</td><td>2.50e7</td><td>75 %</td><td>\u{2013}</td>"), "{text}");
     assert!(text.contains("cuda &lt;of&gt; this &amp; that</li>") && text.contains("that, 1 thread</li>"), "{text}");
+    // The paper's speed-up is over all its cores.
+    assert!(text.contains("<td>4 threads</td><td>12</td><td>120</td><td>10</td><td>3.0 to 7.2</td>"), "{text}");
+    assert!(text.contains("<td>1 thread</td><td>12</td><td>360</td><td>30</td><td>\u{2013}</td>"), "{text}");
     // A processor alone is compared with itself by the core, and with no GPU.
     let mut alone = record(3);
     alone.machines.remove(0);
