@@ -45,6 +45,7 @@ ASK = """(() => {
     images: images.length,
     seen: images.filter((i) => i.complete && i.naturalWidth > 0).length,
     sections: [...document.querySelectorAll("section")].map((s) => s.id),
+    tall: [...document.querySelectorAll("td")].filter((e) => e.getBoundingClientRect().height > 200).map((e) => e.textContent).slice(0, 3),
     wrong: [...document.querySelectorAll("polyline, path, circle")].filter((e) => /NaN|Infinity|undefined/.test(e.outerHTML)).length,
   };
 })()"""
@@ -151,6 +152,25 @@ class Browser:
         self.process.wait(PATIENCE)
 
 
+def tells(browser):
+    """Which charts tell nothing where they begin, where much is zero, or where they end."""
+    places = browser.evaluate("""[...document.querySelectorAll("figure.chart svg")].map((svg) => {
+      const { left, top, width, height } = svg.getBoundingClientRect();
+      return { left: left + scrollX, top: top + scrollY, width, height };
+    })""")
+    found = []
+    for number, box in enumerate(places):
+        browser.evaluate(f"scrollTo(0, {box['top'] - 50})")
+        scrolled = browser.evaluate("[scrollX, scrollY]")
+        for share in (0.25, 0.95):
+            x = box["left"] - scrolled[0] + share * box["width"]
+            browser.mouse("mouseMoved", x, box["top"] - scrolled[1] + 0.4 * box["height"])
+            told = browser.evaluate(f"""document.querySelectorAll("figure.chart")[{number}].querySelector(".readout:not([hidden])")?.textContent ?? "" """)
+            if not told:
+                found.append(f"chart {number + 1} tells nothing at {share:.0%} of its width")
+    return found
+
+
 def zooms(browser):
     """Whether dragging shows a part, hovering tells values, and a double click shows all again."""
     box = browser.evaluate("""(() => {
@@ -223,8 +243,10 @@ def check(browser, run, shots):
                 part = {"x": 0, "y": 0, "width": width, "height": height, "scale": 1}
                 shot = browser.ask("Page.captureScreenshot", captureBeyondViewport=True, clip=part)
                 (shots / f"{run.stem}-{place}-{scheme}.png").write_bytes(base64.b64decode(shot["data"]))
+            if said["tall"]:
+                here.append(f"squeezed into narrow columns: {said['tall']}")
             if width > 500:
-                here += zooms(browser)
+                here += tells(browser) + zooms(browser)
             here += browser.complaints(page)
             findings += [f"{page} ({width} pixels, {scheme}): {finding}" for finding in here]
     return findings

@@ -26,7 +26,7 @@
 
   // As many digits as tell neighbours on an axis apart.
   const said = (value, length) => {
-    if (Math.abs(value) < 1e-9 * length) return "0";
+    if (value === 0 || Math.abs(value) < 1e-9 * length) return "0";
     const digits = Math.max(3, Math.min(9, Math.ceil(Math.log10(Math.abs(value) / length)) + 3));
     const rounded = Number(value.toPrecision(digits));
     const size = Math.abs(rounded);

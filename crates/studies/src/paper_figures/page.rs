@@ -10,7 +10,7 @@ mod shares;
 use super::chart::escaped;
 use super::figures::View;
 use super::published::{On, Value};
-use super::{Measured, Mode, Model, Published, Quantity, Record};
+use super::{Machine, Measured, Mode, Model, Published, Quantity, Record};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use tdem_results::words::grouped;
@@ -102,10 +102,14 @@ fn conditions<'a>(view: &View<'_>, measured: impl IntoIterator<Item = &'a Measur
         let particles: BTreeSet<usize> = its().map(|measured| measured.particles).collect();
         let particles: Vec<String> = particles.into_iter().map(|count| grouped(count as u64)).collect();
         let steps = its().fold([u64::MAX, 0], |[low, high], m| [low.min(m.steps), high.max(m.steps)]);
-        let steps = if steps[0] == steps[1] { grouped(steps[0]) } else { range(steps) };
+        let steps = match steps {
+            [1, 1] => "1 step".to_owned(),
+            [low, high] if low == high => format!("{} steps", grouped(low)),
+            steps => format!("{} steps", range(steps)),
+        };
         let repeats = its().map(|measured| measured.repeats).max().unwrap_or(0);
         format!(
-            "{} ({}); N = {}; best of {repeats} measurements of {steps} steps",
+            "{} ({}); N = {}; best of {repeats} measurements of {steps}",
             escaped(&machine.name),
             escaped(&machine.driver),
             particles.join(", ")
@@ -142,6 +146,12 @@ fn short(value: f64) -> String {
 /// Numbers of particles at an axis.
 fn particles(value: f64) -> String {
     if value >= 1e6 { format!("{}M", short(1e-6 * value)) } else { format!("{}k", short(1e-3 * value)) }
+}
+
+/// A machine's name; of a processor the threads, too.
+fn called(machine: &Machine) -> String {
+    let threads = machine.threads.map(|_| format!(", {}", machine.word));
+    machine.name.clone() + threads.as_deref().unwrap_or_default()
 }
 
 /// The class that gives a model its colour.

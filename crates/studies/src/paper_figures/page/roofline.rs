@@ -3,7 +3,7 @@
 use super::super::chart::{Axis, Chart, Scale, Shape};
 use super::super::figures::View;
 use super::super::{Machine, Measured, Mode, Model, Point, Quantity};
-use super::{colour, conditions, digits, escaped, key, models, section as wrapped, short, table};
+use super::{called, colour, conditions, digits, escaped, key, models, section as wrapped, short, table};
 
 /// Kernels of the paper mode and whole steps of the best one.
 fn points<'a>(view: &'a View<'_>, place: usize) -> Vec<(&'a Measured, &'a Point)> {
@@ -57,7 +57,7 @@ fn chart(view: &View<'_>, place: usize) -> String {
     let (left, right) = x.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &x| (low.min(x), high.max(x)));
     let rates = points.iter().map(|(_, point)| 1e-9 * point.rate());
     let y = rates.chain([1e-9 * machine.operations_per_second, 1e-9 * roof(machine, left), 1e-9 * bandwidth * left]);
-    let about = format!("Roofline of {}", machine.name);
+    let about = format!("Roofline of {}", called(machine));
     let mut chart = Chart::new(
         Axis::of("operations per byte", Scale::Log, x.iter().copied(), short),
         Axis::of("1e9 operations per second", Scale::Log, y, short),
@@ -93,7 +93,7 @@ fn chart(view: &View<'_>, place: usize) -> String {
         chart.note([x, y], letter);
     }
     let used = Mode::ALL.into_iter().flat_map(|mode| view.at(place, mode));
-    format!("<figure><b>{}</b>{}{}</figure>\n", escaped(&machine.name), chart.finish(), conditions(view, used))
+    format!("<figure><b>{}</b>{}{}</figure>\n", escaped(&called(machine)), chart.finish(), conditions(view, used))
 }
 
 pub(super) fn section(view: &View<'_>) -> String {

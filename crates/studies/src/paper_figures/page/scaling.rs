@@ -2,10 +2,10 @@
 
 use super::super::chart::{Axis, Chart, Scale, Shape};
 use super::super::figures::View;
-use super::super::{Machine, Measured, Mode, Model, Quantity};
+use super::super::{Measured, Mode, Model, Quantity};
 use super::{
-    colour, conditions, cores, digits, grouped, key, maybe, mode_words, models, particles, section as wrapped, short,
-    table,
+    called, colour, conditions, cores, digits, grouped, key, maybe, mode_words, models, particles, section as wrapped,
+    short, table,
 };
 
 /// The paper's largest sizes.
@@ -68,12 +68,6 @@ fn chart(view: &View<'_>, mode: Mode) -> String {
 /// How the lines of a machine are drawn.
 fn stroke(place: usize) -> &'static str {
     ["", " broken", " dotted"][place.min(2)]
-}
-
-/// A machine's name; of a processor the threads, too.
-fn called(machine: &Machine) -> String {
-    let threads = machine.threads.map(|_| format!(", {}", machine.word));
-    machine.name.clone() + threads.as_deref().unwrap_or_default()
 }
 
 /// Particle-steps per second beside those of the paper.

@@ -3,7 +3,7 @@
 use super::super::chart::{Bar, stacked};
 use super::super::figures::View;
 use super::super::{Measured, Mode, Model, Procedures, Quantity};
-use super::{conditions, key, section as wrapped, table};
+use super::{called, conditions, key, section as wrapped, table};
 
 /// The published quantity of each procedure.
 const QUANTITIES: [Quantity; 6] = [
@@ -55,7 +55,7 @@ pub(super) fn section(view: &View<'_>) -> String {
         if found.is_empty() {
             continue;
         }
-        let about = format!("Shares of procedures in a step in paper mode on {}", machine.name);
+        let about = format!("Shares of procedures in a step in paper mode on {}", called(machine));
         charts += "<figure>";
         charts += &stacked(&bars(view, place), &about);
         charts += &conditions(view, found.iter().copied());
