@@ -56,6 +56,13 @@ impl View<'_> {
     pub(super) fn cundall(&self, model: Model) -> Option<f64> {
         self.published.value(Quantity::Cundall, Some(model), Some(On::Gpu))
     }
+    /// How many times faster the paper's GPU is than its processors, at least, where it prints that, and at most.
+    pub(super) fn published_speed_up(&self, model: Model) -> Option<(Option<f64>, f64)> {
+        match self.published.find(Quantity::SpeedUp, Some(model), None).and_then(|value| value.range) {
+            Some([low, high]) => Some((Some(low), high)),
+            None => self.published.value(Quantity::SpeedUpAtMost, Some(model), None).map(|most| (None, most)),
+        }
+    }
     /// How many times faster the first machine is than another, at each size that both have.
     pub(super) fn speed_ups(&self, other: usize, mode: Mode) -> Vec<(&Measured, &Measured)> {
         let pair = |fast| {

@@ -7,10 +7,8 @@ use std::fmt::Write;
 
 /// What one core of the paper does: its GPU's rate over the largest speed-up, over the number of cores.
 fn of_paper(view: &View<'_>, model: Model) -> Option<f64> {
-    let published = view.published;
-    let most = published.value(Quantity::SpeedUpAtMost, Some(model), None);
-    let range = || Some(published.find(Quantity::SpeedUp, Some(model), None)?.range?[1]);
-    Some(view.cundall(model)? / most.or_else(range)? / published.constant(Quantity::Cores))
+    let (_, most) = view.published_speed_up(model)?;
+    Some(view.cundall(model)? / most / view.published.constant(Quantity::Cores))
 }
 
 /// A table for each number of threads beside that of one thread.

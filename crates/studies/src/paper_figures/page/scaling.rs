@@ -2,7 +2,7 @@
 
 use super::super::chart::{Axis, Chart, Scale, Shape};
 use super::super::figures::View;
-use super::super::{Measured, Mode, Model, Quantity};
+use super::super::{Measured, Mode, Model};
 use super::{
     called, colour, conditions, cores, digits, grouped, key, maybe, mode_words, models, particles, section as wrapped,
     short, table,
@@ -111,20 +111,19 @@ fn cundall(view: &View<'_>) -> String {
 
 /// How much faster the paper's GPU is than its 20 cores.
 fn printed(view: &View<'_>, model: Model) -> Option<String> {
-    let range = view.published.find(Quantity::SpeedUp, Some(model), None).and_then(|value| value.range);
-    let most = view.published.value(Quantity::SpeedUpAtMost, Some(model), None);
-    match (range, most) {
-        (Some([low, high]), _) => Some(format!("{low:.1} to {high:.1}")),
-        (None, most) => most.map(|most| format!("up to {most:.1}")),
-    }
+    let (least, most) = view.published_speed_up(model)?;
+    Some(least.map_or(format!("up to {most:.1}"), |least| format!("{least:.1} to {most:.1}")))
 }
 
 /// The first machine, if it is a GPU, over the others.
 fn speed_ups(view: &View<'_>) -> String {
     if !view.machine(0).gpu {
-        return "<p class=\"soft\">No GPU is the first device: no speed-up. The paper: GNTM 3.0 to 7.2, BPM and TBPM up to \
-                7.4, one P100 over 20 cores.</p>\n"
-            .to_owned();
+        let of = |model| printed(view, model).map(|printed| format!("{model} {printed}"));
+        let printed: Vec<String> = Model::ALL.into_iter().filter_map(of).collect();
+        return format!(
+            "<p class=\"soft\">No GPU is the first device: no speed-up. The paper: {}, one P100 over 20 cores.</p>\n",
+            printed.join(", ")
+        );
     }
     let mut rows = Vec::new();
     for (place, other) in view.record.machines.iter().enumerate().skip(1) {
