@@ -49,7 +49,7 @@ impl Cpu {
         if entries > u64::from(u32::MAX) {
             return Err(Fault::ListOverflow { step: self.step, entries });
         }
-        lay_out(&mut self.neighbours, &found, &ends, half);
+        lay_out(&mut self.neighbours, &found, &ends, half)?;
         drop(found);
         self.carry_over(histories, &came_from);
         self.list_walls(histories, skin);

@@ -1,6 +1,7 @@
 //! Joins what chunks of particles found into the rows of the list.
 
 use super::find::Found;
+use crate::Fault;
 use crate::cpu::neighbours::{Neighbours, fit};
 use crate::cpu::pieces::{chunks_of, split};
 use rayon::prelude::*;
@@ -26,7 +27,10 @@ pub(super) fn ends(found: &[Found], half: bool) -> Vec<[u64; 2]> {
 }
 
 /// Writes rows and incoming pairs; `ends` are those of [`ends`].
-pub(super) fn lay_out(list: &mut Neighbours, found: &[Found], ends: &[[u64; 2]], half: bool) {
+///
+/// # Errors
+/// [`Fault::Inconsistent`] if a particle found another that did not find it, which would be a bug.
+pub(super) fn lay_out(list: &mut Neighbours, found: &[Found], ends: &[[u64; 2]], half: bool) -> Result<(), Fault> {
     let particles = found.iter().map(|found| found.count.len()).sum();
     let bounds = [0, 1].map(|side| ends.iter().map(|end| end[side] as usize).collect::<Vec<usize>>());
     let total = ends.last().map_or([0; 2], |end| end.map(|end| end as usize));
@@ -62,19 +66,19 @@ pub(super) fn lay_out(list: &mut Neighbours, found: &[Found], ends: &[[u64; 2]],
             }
         }
     });
-    number_incoming(list);
+    number_incoming(list)
 }
 
 /// Incoming pairs are known by the particles that keep them: puts the pairs in their places.
-fn number_incoming(list: &mut Neighbours) {
+fn number_incoming(list: &mut Neighbours) -> Result<(), Fault> {
     let Neighbours { start, other, incoming_start, incoming, .. } = list;
     let chunks = chunks_of(incoming_start.len().saturating_sub(1));
     if incoming.is_empty() {
-        return;
+        return Ok(());
     }
     let bounds: Vec<usize> = chunks.iter().map(|&first| incoming_start[first] as usize).collect();
     let tasks: Vec<_> = split(incoming, &bounds).zip(chunks.windows(2)).collect();
-    tasks.into_par_iter().for_each(|(incoming, chunk)| {
+    tasks.into_par_iter().try_for_each(|(incoming, chunk)| {
         let mut rest = incoming;
         for j in chunk[0]..chunk[1] {
             let (mine, tail) = rest.split_at_mut((incoming_start[j + 1] - incoming_start[j]) as usize);
@@ -83,12 +87,12 @@ fn number_incoming(list: &mut Neighbours) {
                 let row = start[*keeper as usize]..start[*keeper as usize + 1];
                 let keeps = |&pair: &u32| other[pair as usize] as usize == j;
                 // Both sides find a pair, or neither: distances are the same to the last bit.
-                let pair = row.clone().find(keeps);
-                debug_assert!(pair.is_some(), "particle {j} finds {keeper}, which does not find it");
-                *keeper = pair.unwrap_or(row.end);
+                let one_sided = Fault::Inconsistent { what: "a particle found another that did not find it" };
+                *keeper = row.into_iter().find(keeps).ok_or(one_sided)?;
             }
         }
-    });
+        Ok(())
+    })
 }
 
 #[cfg(test)]
@@ -123,7 +127,7 @@ mod tests {
             })
             .collect();
         let mut list = Neighbours::default();
-        lay_out(&mut list, &found, &ends(&found, true), true);
+        lay_out(&mut list, &found, &ends(&found, true), true).expect("each pair is found from both sides");
         assert_eq!((list.other.len(), list.incoming.len()), (n as usize, n as usize));
         for j in 0..n as usize {
             let keepers: Vec<usize> =
@@ -134,8 +138,14 @@ mod tests {
                 pairs.iter().map(|&p| (0..n as usize).position(|i| list.row(i).contains(&p)).unwrap_or(0)).collect();
             assert_eq!(rows, keepers, "of particle {j}");
         }
-        lay_out(&mut list, &found, &ends(&found, false), false);
+        lay_out(&mut list, &found, &ends(&found, false), false).expect("each pair is found from both sides");
         assert_eq!((list.other.len(), list.incoming.len(), list.incoming(1).len()), (2 * n as usize, 0, 0));
         assert_eq!(list.other[list.row(5)], [6, 4]);
+        // Particle 1 no longer finds 2, which still finds it.
+        let mut found = found;
+        found[0].count[1] = [0, 1];
+        found[0].other.remove(2);
+        let broken = lay_out(&mut list, &found, &ends(&found, true), true);
+        assert!(matches!(broken, Err(Fault::Inconsistent { .. })), "{broken:?}");
     }
 }
