@@ -178,13 +178,76 @@ impl Cpu {
 }
 
 /// A field cut into chunks like the others; one empty slice per chunk where the plan does without it.
-pub(crate) fn optional<T: Send>(
-    field: &mut [T],
-) -> rayon::iter::Either<impl IndexedParallelIterator<Item = &mut [T]>, impl IndexedParallelIterator<Item = &mut [T]>> {
-    if field.is_empty() {
-        rayon::iter::Either::Left(rayon::iter::repeat_n((), usize::MAX / CHUNK).map(|()| &mut [][..]))
-    } else {
-        rayon::iter::Either::Right(field.par_chunks_mut(CHUNK))
+pub(crate) fn optional<T: Send>(field: &mut [T]) -> Optional<'_, T> {
+    let left = if field.is_empty() { usize::MAX / CHUNK } else { field.len().div_ceil(CHUNK) };
+    Optional { field, left }
+}
+
+/// Chunks of a field, or empty ones without end: one type for both, so that nothing is compiled twice for it.
+pub(crate) struct Optional<'a, T> {
+    field: &'a mut [T],
+    left: usize,
+}
+
+impl<'a, T: Send> ParallelIterator for Optional<'a, T> {
+    type Item = &'a mut [T];
+    fn drive_unindexed<C: rayon::iter::plumbing::UnindexedConsumer<Self::Item>>(self, consumer: C) -> C::Result {
+        rayon::iter::plumbing::bridge(self, consumer)
+    }
+    fn opt_len(&self) -> Option<usize> {
+        Some(self.left)
+    }
+}
+
+impl<T: Send> IndexedParallelIterator for Optional<'_, T> {
+    fn len(&self) -> usize {
+        self.left
+    }
+    fn drive<C: rayon::iter::plumbing::Consumer<Self::Item>>(self, consumer: C) -> C::Result {
+        rayon::iter::plumbing::bridge(self, consumer)
+    }
+    fn with_producer<CB: rayon::iter::plumbing::ProducerCallback<Self::Item>>(self, callback: CB) -> CB::Output {
+        callback.callback(self)
+    }
+}
+
+impl<'a, T: Send> rayon::iter::plumbing::Producer for Optional<'a, T> {
+    type Item = &'a mut [T];
+    type IntoIter = Self;
+    fn into_iter(self) -> Self {
+        self
+    }
+    fn split_at(self, index: usize) -> (Self, Self) {
+        let at = (index * CHUNK).min(self.field.len());
+        let (before, behind) = self.field.split_at_mut(at);
+        (Optional { field: before, left: index }, Optional { field: behind, left: self.left - index })
+    }
+}
+
+impl<'a, T> Iterator for Optional<'a, T> {
+    type Item = &'a mut [T];
+    fn next(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let field = std::mem::take(&mut self.field);
+        let (chunk, rest) = field.split_at_mut(CHUNK.min(field.len()));
+        self.field = rest;
+        Some(chunk)
+    }
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.left, Some(self.left))
+    }
+}
+
+impl<T> ExactSizeIterator for Optional<'_, T> {}
+
+impl<T> DoubleEndedIterator for Optional<'_, T> {
+    fn next_back(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let field = std::mem::take(&mut self.field);
+        let at = (self.left * CHUNK).min(field.len());
+        let (rest, chunk) = field.split_at_mut(at);
+        self.field = rest;
+        Some(chunk)
     }
 }
 
