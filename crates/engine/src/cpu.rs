@@ -138,6 +138,10 @@ impl Cpu {
         cpu.take_up(state)?;
         Ok(cpu)
     }
+    /// Time by which positions are ahead of velocities while forces are computed, s: none while a fresh state is prepared.
+    fn lead(&self) -> f64 {
+        if self.history_step > 0.0 { self.plan.lead() } else { 0.0 }
+    }
     /// Time of the step that is being computed, s.
     fn time(&self) -> f64 {
         self.plan.time(self.step)

@@ -1,12 +1,14 @@
 //! The contacts and bonds of a state, evaluated once more: for the ledger and for whoever shows forces.
 
+use crate::plan::prescribe;
 use crate::{BondHistory, Contact, Plan, State, WallContact};
 use tdem_physics::bond::{self, Advance, Bond, Ends, Form, History, Posture, Reaction, Rest};
 use tdem_physics::contact::{Encounter, Interaction, Sphere, Touch, respond, stored_energy, touch_spheres, touch_wall};
 use tdem_physics::motion::orientation::Quaternion;
+use tdem_physics::motion::{sphere_inertia, verlet};
 use tdem_physics::{Vec3, vec3};
 
-/// A contact of a state: how it lies, how it moves, and the force that belongs to it.
+/// A contact of a state: how it lies, how it moved when its force was computed, and that force.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluated<'a> {
     /// The first body.
@@ -67,8 +69,13 @@ impl State {
         let law = plan.bonds.as_ref()?.law;
         let pair = self.bonds.get(index).filter(|bond| bond.holds())?;
         let (i, j) = (self.index_of(pair.first)?, self.index_of(pair.second)?);
-        let (first, second) = (self.sphere(i), self.sphere(j));
-        let ends = Ends { first, second, offset: self.touch(plan, i, j).offset };
+        let felt = Felt::of(self, plan);
+        let ends = Ends {
+            first: felt.sphere(i),
+            second: felt.sphere(j),
+            offset: self.touch(plan, i, j).offset,
+            lead: felt.lead,
+        };
         let bonded_offset = self.bonded_offset(plan, i, j);
         let bonded_length = bonded_offset.dot(bonded_offset).sqrt();
         let numbers = self.bond_numbers(plan, [i, j], pair.strength)?;
@@ -94,9 +101,10 @@ impl State {
     #[must_use]
     pub fn evaluate<'a>(&self, plan: &'a Plan, contact: &Contact) -> Option<Evaluated<'a>> {
         let (i, j) = (self.index_of(contact.first)?, self.index_of(contact.second)?);
-        let (first, second) = (self.sphere(i), self.sphere(j));
+        let felt = Felt::of(self, plan);
+        let (first, second) = (felt.sphere(i), felt.sphere(j));
         let touch = self.touch(plan, i, j);
-        let encounter = Encounter::of_spheres(&first, &second, &touch, plan.law.moments);
+        let encounter = Encounter::of_spheres(&first, &second, &touch, plan.law.moments, felt.lead);
         let interaction = plan.interaction(self.material[i], self.material[j]);
         Some(evaluated(plan, first, touch, encounter, interaction, contact.displacement))
     }
@@ -107,9 +115,10 @@ impl State {
         let i = self.index_of(contact.particle)?;
         let wall = plan.walls.get(contact.wall as usize)?;
         let point = *self.wall_position.get(contact.wall as usize)?;
-        let (first, normal) = (self.sphere(i), wall.normal.into());
+        let felt = Felt::of(self, plan);
+        let (first, normal) = (felt.sphere(i), wall.normal.into());
         let touch = touch_wall(first.position, first.radius, point.into(), normal);
-        let encounter = Encounter::with_wall(&first, &touch, normal, wall.velocity.into(), plan.law.moments);
+        let encounter = Encounter::with_wall(&first, &touch, normal, wall.velocity.into(), plan.law.moments, felt.lead);
         let interaction = plan.interaction(self.material[i], wall.material);
         Some(evaluated(plan, first, touch, encounter, interaction, contact.displacement))
     }
@@ -155,6 +164,46 @@ impl State {
     }
 }
 
+/// The velocities that the forces of a state were computed from.
+///
+/// # Numerics
+/// Under velocity Verlet these are the velocities of the middle of the last step: the second half kick is taken back, so that
+/// they, and the forces of dashpots, are those that the motion felt to rounding. Forces of a state that was only prepared were
+/// computed from its own velocities.
+struct Felt<'a> {
+    state: &'a State,
+    plan: &'a Plan,
+    /// Time by which positions are ahead of velocities, s.
+    lead: f64,
+}
+
+impl<'a> Felt<'a> {
+    fn of(state: &'a State, plan: &'a Plan) -> Self {
+        let stepped = state.step > 0 && state.forces_known;
+        Felt { state, plan, lead: if stepped { plan.lead() } else { 0.0 } }
+    }
+    fn sphere(&self, index: usize) -> Sphere<f64> {
+        let (state, sphere) = (self.state, self.state.sphere(index));
+        if self.lead == 0.0 {
+            return sphere;
+        }
+        let inertia = sphere_inertia(sphere.mass, sphere.radius);
+        let velocity = verlet::kick(sphere.velocity, state.force[index].into(), sphere.mass, -self.lead);
+        let angular_velocity = verlet::kick(sphere.angular_velocity, state.moment[index].into(), inertia, -self.lead);
+        let felt = Sphere { velocity, angular_velocity, ..sphere };
+        let constraint = usize::from(state.constraint[index]);
+        if constraint == 0 {
+            return felt;
+        }
+        let held = &self.plan.constraints_at(self.plan.middle(state.step - 1))[constraint];
+        Sphere {
+            velocity: prescribe(velocity, &held.velocity),
+            angular_velocity: prescribe(angular_velocity, &held.angular_velocity),
+            ..felt
+        }
+    }
+}
+
 fn evaluated<'a>(
     plan: &Plan,
     first: Sphere<f64>,
@@ -166,7 +215,7 @@ fn evaluated<'a>(
     let displacement = displacement.into();
     let force = if touch.overlap > 0.0 {
         // A step of zero length: the force as it is, without moving the history.
-        respond(plan.law, &encounter, displacement, interaction, 0.0).force
+        respond(plan.law, &encounter.advanced(), displacement, interaction, 0.0).force
     } else {
         Vec3::zero()
     };

@@ -1,7 +1,8 @@
 //! What stays the same during a run.
 
-use crate::{BondPlan, Gauge, HeatPlan};
+use crate::{BondPlan, Gauge, HeatPlan, Motion};
 use std::borrow::Cow;
+use tdem_physics::Vec3;
 use tdem_physics::contact::{Interaction, Law, Period};
 use tdem_physics::motion::ramp::line;
 
@@ -57,6 +58,20 @@ impl Plan {
     #[must_use]
     pub fn middle(&self, step: u64) -> f64 {
         (step as f64 + 0.5) * self.dt
+    }
+    /// Time by which positions are ahead of the velocities that forces are computed from, s: half a step under velocity
+    /// Verlet; none under Gear, or where nothing moves.
+    #[must_use]
+    pub fn lead(&self) -> f64 {
+        let dt = match self.heat.as_ref().map_or(Motion::Stepped, |heat| heat.motion) {
+            Motion::Stepped => self.dt,
+            Motion::QuasiStatic(relaxation) => relaxation.dt,
+            Motion::Frozen(_) => 0.0,
+        };
+        match self.integrator {
+            Integrator::VelocityVerlet => 0.5 * dt,
+            Integrator::Gear => 0.0,
+        }
     }
     /// The constraints as they are at a time.
     #[must_use]
@@ -117,6 +132,13 @@ pub struct Constraint {
 impl Constraint {
     /// Everything is left to the forces of contacts, bonds and gravity.
     pub const FREE: Constraint = Constraint { velocity: [None; 3], angular_velocity: [None; 3], force: [0.0; 3] };
+}
+
+/// A velocity with prescribed components in the place of computed ones.
+#[inline(always)]
+pub(crate) fn prescribe(velocity: Vec3<f64>, prescribed: &[Option<f64>; 3]) -> Vec3<f64> {
+    let [x, y, z] = prescribed;
+    Vec3 { x: x.unwrap_or(velocity.x), y: y.unwrap_or(velocity.y), z: z.unwrap_or(velocity.z) }
 }
 
 /// A number of a constraint that changes with time: straight between points, constant before the first and behind the

@@ -135,7 +135,7 @@ pub fn respond_total<R: Real>(damping: Damping, ends: &Ends<R>, posture: &Postur
 /// |---|---|---|
 /// | `tension` | where the normal force comes from | |
 /// | `damping` | whether there are dashpots | |
-/// | `ends` | as for [`respond_total`]; the velocities are those that led to the present places | |
+/// | `ends` | as for [`respond_total`]; the velocities are those that led to the present positions | |
 /// | `advance` | what was stored, the rest length, and the step | N, N m, m, s |
 /// | `bond` | the bond's parameters | |
 ///
@@ -164,7 +164,7 @@ fn react<R: Real>(damping: Damping, ends: &Ends<R>, axis: &Axis<R>, load: Modes<
     let load = load.named_load();
     let exerted = match damping {
         Damping::Off => load,
-        Damping::Viscous => load.plus(&damping::load(&axis.motion(ends), bond)),
+        Damping::Viscous => load.plus(&damping::load(&axis.rates(ends), bond)),
     };
     let turning = axis.normal.cross(exerted.shear).named(["turning_x", "turning_y", "turning_z"]);
     let couple = axis.couple(&exerted).named(["couple_x", "couple_y", "couple_z"]);
@@ -209,6 +209,6 @@ pub fn stored_energy<R: Real>(load: &Modes<R>, bond: &Bond<R>) -> R {
 /// first order in the step.
 #[inline(always)]
 pub fn released_energy<R: Real>(ends: &Ends<R>, load: &Modes<R>, bond: &Bond<R>, step: R) -> R {
-    let power = load.dot(&Axis::of(ends).motion(ends));
+    let power = load.dot(&Axis::of(ends).rates(ends));
     stored_energy(load, bond) - R::lit(0.5) * step * power
 }

@@ -114,7 +114,7 @@ pub struct Losses<R> {
 ///
 /// | argument | symbol | unit |
 /// |---|---|---|
-/// | `encounter` | $\mathbf n, h, \mathbf v_c, R^*, m^*$ | m, m/s, kg |
+/// | `encounter` | $\mathbf n, h, v_n, \mathbf v_t, R^*, m^*$ | m, m/s, kg |
 /// | `displacement` | $\boldsymbol\delta$ of the last step, zero at first touch | m |
 /// | `interaction` | the pair's parameters | |
 /// | `step` | $\Delta t$; 0 evaluates the force without advancing the history | s |
@@ -132,9 +132,8 @@ pub fn respond<R: Real>(
     interaction: &Interaction<R>,
     step: R,
 ) -> Response<R> {
-    let &Encounter { normal, overlap, relative_velocity, settled_velocity, radius_eff, mass_eff } = encounter;
+    let &Encounter { normal, overlap, normal_speed, settled_velocity, radius_eff, mass_eff, .. } = encounter;
     let contact_radius = (radius_eff * overlap).sqrt().named("contact_radius");
-    let normal_speed = relative_velocity.dot(normal).named("normal_speed");
 
     let elastic = normal::hertz(interaction.normal_stiffness, contact_radius, overlap).named("elastic");
     let viscous = match law.damping {
@@ -160,7 +159,9 @@ pub fn respond<R: Real>(
     let earlier_overlap = (overlap + normal_speed * step).max(R::lit(0.0));
     let shear = tangential::Shear {
         normal,
-        velocity: (relative_velocity - normal * normal_speed).named(["shear_x", "shear_y", "shear_z"]),
+        bisector: encounter.bisector,
+        mean_spin: encounter.mean_spin,
+        velocity: encounter.tangential_velocity,
         settled_velocity,
         stiffness: (interaction.tangential_stiffness * contact_radius).named("stiffness"),
         earlier_stiffness: (interaction.tangential_stiffness * (radius_eff * earlier_overlap).sqrt())
@@ -210,8 +211,7 @@ pub fn released_energy<R: Real>(
     interaction: &Interaction<R>,
     step: R,
 ) -> R {
-    let normal_speed = encounter.relative_velocity.dot(encounter.normal);
-    let earlier_overlap = (encounter.overlap + normal_speed * step).max(R::lit(0.0));
+    let earlier_overlap = (encounter.overlap + encounter.normal_speed * step).max(R::lit(0.0));
     let stiffness = interaction.tangential_stiffness * (encounter.radius_eff * earlier_overlap).sqrt();
     R::lit(0.5) * stiffness * displacement.dot(displacement)
 }
@@ -221,7 +221,6 @@ pub fn released_energy<R: Real>(
 /// [`crate::bond::released_energy`] has it.
 #[inline(always)]
 pub fn begun_energy<R: Real>(encounter: &Encounter<R>, interaction: &Interaction<R>, step: R) -> R {
-    let normal_speed = encounter.relative_velocity.dot(encounter.normal);
-    let overlap = (encounter.overlap + R::lit(0.5) * step * normal_speed).max(R::lit(0.0));
+    let overlap = (encounter.overlap + R::lit(0.5) * step * encounter.normal_speed).max(R::lit(0.0));
     stored_energy(encounter.radius_eff, overlap, Vec3::zero(), interaction).0
 }

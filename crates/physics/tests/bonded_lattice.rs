@@ -32,7 +32,7 @@ fn forces(bond: &Bond<f64>, radius: f64, offset: Vec3<f64>, strain: f64, moved: 
         second_orientation: Quaternion::identity().turned(part(9), 1.0),
         free_strain: strain,
     };
-    let ends = Ends { first: sphere, second: sphere, offset: offset + part(6) - part(0) };
+    let ends = Ends { first: sphere, second: sphere, offset: offset + part(6) - part(0), lead: 0.0 };
     let r = bond::respond_total(Damping::Off, &ends, &posture, bond);
     let rows: [[f64; 3]; 4] = [r.force, r.first_moment, -r.force, r.second_moment].map(Into::into);
     std::array::from_fn(|k| rows[k / 3][k % 3])
@@ -278,7 +278,12 @@ fn a_uniform_strain_gives_the_stress_of_the_lattice() {
                 direction.y * stretch.y + 0.5 * slide * direction.z,
                 direction.z * stretch.z + 0.5 * slide * direction.y,
             );
-            let ends = Ends { first: sphere(block.radius), second: sphere(block.radius), offset: direction + moved };
+            let ends = Ends {
+                first: sphere(block.radius),
+                second: sphere(block.radius),
+                offset: direction + moved,
+                lead: 0.0,
+            };
             let posture = Posture {
                 bonded_offset: direction,
                 first_orientation: Quaternion::identity(),
@@ -324,7 +329,7 @@ fn the_tensile_strength_of_the_lattice_is_that_of_its_bonds() {
             second_orientation: Quaternion::identity(),
             free_strain: 0.0,
         };
-        bond::respond_total(Damping::Off, &Ends { first: sphere, second: sphere, offset }, &posture, &bond)
+        bond::respond_total(Damping::Off, &Ends { first: sphere, second: sphere, offset, lead: 0.0 }, &posture, &bond)
     };
     assert_eq!(under(0.999 * f_t).failure, 0.0);
     assert_eq!(under(1.001 * f_t).failure, bond::Failure::Tension.code());

@@ -45,7 +45,7 @@ fn contacts_of_spheres_have_the_bits_of_the_law() {
         let normal = rng.direction();
         let touch = touch_spheres(normal * (radius_sum - overlap), radius_sum);
         let touch = if rng.one_in(16) { Touch { overlap: 0.0, ..touch } } else { touch };
-        (first, second, touch, rng.displacement(normal), rng.interaction(), rng.dt())
+        (first, second, touch, rng.displacement(normal), rng.interaction(), rng.dt(), rng.lead())
     };
     compare(&formulas, SPHERE_PAIRS, draw, |formula, (response,)| outcomes.count(formula.law, response));
     outcomes.are_mixed();
@@ -65,7 +65,16 @@ fn contacts_with_a_wall_have_the_bits_of_the_law() {
             sphere.velocity = wall_velocity;
         }
         let touch = touch_wall(sphere.position, sphere.radius, wall_point, wall_normal);
-        (sphere, touch, wall_normal, wall_velocity, rng.displacement(wall_normal), rng.interaction(), rng.dt())
+        (
+            sphere,
+            touch,
+            wall_normal,
+            wall_velocity,
+            rng.displacement(wall_normal),
+            rng.interaction(),
+            rng.dt(),
+            rng.lead(),
+        )
     };
     compare(&formulas, WALL_PAIRS, draw, |formula, (response,)| outcomes.count(formula.law, response));
     outcomes.are_mixed();
@@ -79,22 +88,22 @@ fn what_a_ledger_adds_has_the_bits_of_the_law() {
         let radius_sum = first.radius + second.radius;
         let normal = rng.direction();
         let touch = touch_spheres(normal * (radius_sum - rng.overlap(first.radius)), radius_sum);
-        (first, second, touch, rng.displacement(normal), rng.interaction(), rng.dt())
+        (first, second, touch, rng.displacement(normal), rng.interaction(), rng.dt(), rng.lead())
     };
     let wall = |rng: &mut Rng| {
         let mut sphere = rng.sphere();
         let (normal, point) = (rng.direction(), rng.vector(-3, 3));
         sphere.position = point + normal * (sphere.radius - rng.overlap(sphere.radius));
         let touch = touch_wall(sphere.position, sphere.radius, point, normal);
-        (sphere, touch, normal, rng.vector(-10, 3), rng.displacement(normal), rng.interaction(), rng.dt())
+        (sphere, touch, normal, rng.vector(-10, 3), rng.displacement(normal), rng.interaction(), rng.dt(), rng.lead())
     };
     let settled = |rng: &mut Rng| {
-        let (first, second, touch, displacement, pair, dt) = spheres(rng);
-        (first, second, touch, kick(rng), kick(rng), displacement, pair, dt)
+        let (first, second, touch, displacement, pair, dt, lead) = spheres(rng);
+        (first, second, touch, kick(rng), kick(rng), displacement, pair, dt, lead)
     };
     let settled_at_wall = |rng: &mut Rng| {
-        let (sphere, touch, normal, velocity, displacement, pair, dt) = wall(rng);
-        (sphere, touch, normal, velocity, kick(rng), displacement, pair, dt)
+        let (sphere, touch, normal, velocity, displacement, pair, dt, lead) = wall(rng);
+        (sphere, touch, normal, velocity, kick(rng), displacement, pair, dt, lead)
     };
     compare(&laws().map(|law| print::SettledContactOfSpheres { law }), OTHERS, settled, |_, _| {});
     compare(&laws().map(|law| print::SettledContactWithWall { law }), OTHERS, settled_at_wall, |_, _| {});
@@ -138,7 +147,7 @@ fn bonds_in_total_form_have_the_bits_of_the_law() {
             second_orientation: rng.orientation(),
             free_strain: if rng.one_in(2) { 0.0 } else { rng.number(-16, -6) },
         };
-        (first, second, offset, posture, rng.bond())
+        (first, second, offset, posture, rng.bond(), rng.lead())
     };
     compare(&formulas, SPHERE_PAIRS, draw, |_, (reaction,)| ends.count(reaction));
     ends.are_mixed();
@@ -156,7 +165,7 @@ fn bonds_in_incremental_form_have_the_bits_of_the_law() {
         let turned = offset * (1.0 / length) + rng.vector(-12, -2);
         let earlier = History { normal: turned * (1.0 / turned.dot(turned).sqrt()), ..rng.history() };
         let rest = Rest { length: length * (1.0 + rng.number(-20, -8)), growth: length * rng.number(-30, -20) };
-        (first, second, offset, Advance { earlier, rest, step: rng.dt() }, rng.bond())
+        (first, second, offset, Advance { earlier, rest, step: rng.dt() }, rng.bond(), rng.lead())
     };
     compare(&formulas, SPHERE_PAIRS, draw, |_, (_, reaction)| ends.count(reaction));
     ends.are_mixed();
@@ -179,18 +188,18 @@ fn what_bonds_need_has_the_bits_of_the_law() {
     alone(print::ReversedHistory, |rng| (rng.history(),));
     alone(print::BondLoss, |rng| {
         let (first, second, offset) = rng.bonded_spheres();
-        (first, second, rng.sphere(), rng.sphere(), offset, rng.bond(), rng.dt())
+        (first, second, rng.sphere(), rng.sphere(), offset, rng.bond(), rng.dt(), rng.lead())
     });
     alone(print::BondEnergy, |rng| (rng.load(), rng.bond()));
     alone(print::BondRelease, |rng| {
         let (first, second, offset) = rng.bonded_spheres();
-        (first, second, offset, rng.load(), rng.bond(), rng.dt())
+        (first, second, offset, rng.load(), rng.bond(), rng.dt(), rng.lead())
     });
     alone(print::ContactBegun, |rng| {
         let (first, second) = (rng.sphere(), rng.sphere());
         let radius_sum = first.radius + second.radius;
         let touch = touch_spheres(rng.direction() * (radius_sum - rng.overlap(first.radius)), radius_sum);
-        (first, second, touch, rng.interaction(), rng.dt())
+        (first, second, touch, rng.interaction(), rng.dt(), rng.lead())
     });
     alone(print::TurnOrientation, |rng| (rng.orientation(), rng.vector(-6, 8), rng.dt()));
     alone(print::LocalDamping, |rng| {
@@ -375,6 +384,9 @@ impl Rng {
     }
     fn dt(&mut self) -> f64 {
         if self.one_in(12) { 0.0 } else { self.size(-24, -8) }
+    }
+    fn lead(&mut self) -> f64 {
+        if self.one_in(4) { 0.0 } else { self.size(-25, -9) }
     }
     fn displacement(&mut self, normal: Vec3<f64>) -> Vec3<f64> {
         match self.below(8) {

@@ -33,6 +33,7 @@ mod stability;
 mod statics;
 mod strength;
 mod thermal;
+mod turning;
 
 pub use format::{escaped, markdown, table};
 
@@ -81,7 +82,7 @@ impl Case {
 }
 
 /// Groups of cases, in the order of the catalogue, and what they are about.
-pub const GROUPS: [(&str, &str); 15] = [
+pub const GROUPS: [(&str, &str); 16] = [
     ("contact", "impacts of two bodies, head-on and oblique, with damping and friction"),
     ("plane", "one sphere or two on a floor or an incline: falling, resting, bouncing, rolling, sliding"),
     ("spring", "the tangential spring of a contact by itself"),
@@ -91,6 +92,7 @@ pub const GROUPS: [(&str, &str); 15] = [
     ("search", "what may not depend on how neighbours are found, how particles are called, how space is turned"),
     ("bulk", "random packings: what many spheres show within their scatter"),
     ("bond", "single bonds: vibration, damping, objectivity, failure and what comes after"),
+    ("turning", "bodies that turn freely: what rotation may not do to bonds, dashpots and springs of friction"),
     ("chain", "chains of bonds against the closed forms of the discrete chain"),
     ("block", "blocks on a face-centred lattice: elasticity, waves, strength, what motion keeps"),
     ("statics", "equilibrium without time, against closed forms, another program, and the engine at rest"),
@@ -244,6 +246,7 @@ pub fn catalogue() -> Vec<Case> {
         search::CASES,
         bulk::CASES,
         bond::CASES,
+        turning::CASES,
         chain::CASES,
         block::CASES,
         statics::CASES,

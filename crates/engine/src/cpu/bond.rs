@@ -45,6 +45,8 @@ pub(super) struct Scene<'a> {
     law: Law,
     period: Option<Period<f64>>,
     step: f64,
+    /// Time by which positions are ahead of velocities, s.
+    lead: f64,
     heat: Option<Warm<'a>>,
     tempering: Option<Tempering<'a>>,
 }
@@ -145,6 +147,7 @@ impl Cpu {
             law: self.plan.bonds.as_ref()?.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
+            lead: self.lead(),
             tempering: (self.plan.bonds.as_ref().map(|bonds| &bonds.tables))
                 .filter(|tables| !tables.is_empty())
                 .map(|tables| Tempering { tables, temperature: &self.bodies.temperature }),
@@ -183,7 +186,7 @@ impl Cpu {
             return 0.0;
         }
         let [i, j] = [self.bonds.owner[slot], self.bonds.other[slot]].map(|k| self.bodies.material[k as usize]);
-        let encounter = Encounter::of_spheres(&ends.first, &ends.second, &touch, true);
+        let encounter = Encounter::of_spheres(&ends.first, &ends.second, &touch, true, ends.lead);
         begun_energy(&encounter, self.plan.interaction(i, j), self.history_step)
     }
 }
@@ -239,7 +242,7 @@ impl Scene<'_> {
         let (i, j) = self.pair(slot);
         let offset = self.place[j].vector() - self.place[i].vector();
         let offset = self.period.map_or(offset, |period| period.nearest(offset));
-        Ends { first: self.sphere(i), second: self.sphere(j), offset }
+        Ends { first: self.sphere(i), second: self.sphere(j), offset, lead: self.lead }
     }
     /// The same with the velocities of the end of the step, as well as they are known.
     fn settled(&self, slot: usize, ends: &Ends<f64>) -> Ends<f64> {
@@ -252,7 +255,7 @@ impl Scene<'_> {
         if self.kick.is_empty() {
             return *ends;
         }
-        Ends { first: settle(ends.first, i), second: settle(ends.second, j), ..*ends }
+        Ends { first: settle(ends.first, i), second: settle(ends.second, j), lead: 0.0, ..*ends }
     }
     #[inline(always)]
     fn bonded_offset(&self, slot: usize) -> Vec3<f64> {

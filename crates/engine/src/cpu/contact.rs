@@ -39,6 +39,8 @@ pub(super) struct Scene<'a> {
     law: Law,
     period: Option<Period<f64>>,
     step: f64,
+    /// Time by which positions are ahead of velocities, s.
+    lead: f64,
     overlap_limit: f64,
     /// Which parts of losses become heat.
     dissipation: Dissipation<f64>,
@@ -127,6 +129,7 @@ fn choose(law: Law, ledger: bool, width: Width) -> Loop {
 impl Cpu {
     /// Evaluates all listed pairs.
     pub(super) fn contact_all(&mut self) -> Result<(), Fault> {
+        let lead = self.lead();
         let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, temperature, .. } =
             &mut self.bodies;
         let scene = Scene {
@@ -142,6 +145,7 @@ impl Cpu {
             law: self.plan.law,
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
+            lead,
             overlap_limit: 0.5 * self.plan.overlap_limit,
             dissipation: self.plan.heat.as_ref().map(|heat| heat.dissipation).unwrap_or_default(),
             warm: Warm::of(&self.plan, temperature, &self.bonds),
@@ -293,7 +297,7 @@ impl Rows<'_> {
         }
         if V::LEDGER && scene.rank[i] < scene.rank[j] {
             let (a, b) = (scene.sphere(i), scene.sphere(j));
-            let encounter = Encounter::of_spheres(&a, &b, &scene.touch(i, j), V::MOMENTS);
+            let encounter = Encounter::of_spheres(&a, &b, &scene.touch(i, j), V::MOMENTS, scene.lead);
             let displacement = self.displacement[pair].into();
             let released = released_energy(&encounter, displacement, scene.interaction(i, j), scene.step);
             self.lost[i - self.first].released += released;
@@ -336,7 +340,7 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
             let touches = touch.overlap > 0.0;
             if touches {
                 let (a, b) = (scene.sphere(i), scene.sphere(j));
-                let mut encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS);
+                let mut encounter = Encounter::of_spheres(&a, &b, &touch, V::MOMENTS, scene.lead);
                 if V::LEDGER && !scene.kick.is_empty() {
                     encounter = encounter.settled([
                         scene.kick_of::<V>(i, lever_arm(a.radius, touch.overlap)),

@@ -1,9 +1,10 @@
 //! Stage `correct`: velocities at the end of the step.
 
 use super::bodies::trajectory;
-use super::predict::{optional, prescribe};
+use super::predict::optional;
 use super::{CHUNK, Cpu};
 use crate::Integrator;
+use crate::plan::prescribe;
 use rayon::prelude::*;
 use tdem_physics::Vec3;
 use tdem_physics::motion::{gear, sphere_inertia, verlet};

@@ -22,8 +22,9 @@ impl Cpu {
         let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
         let (list, bonds) = (&self.neighbours, &self.bonds);
+        let lead = self.lead();
         let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
-        let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step };
+        let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step, lead };
         let particles = chunks_of(n);
         let mut slots = split(&mut wall_slots, &wall_bounds);
         let add_incoming = adding(reaction_numbers(&self.plan));
@@ -137,6 +138,7 @@ struct Walls<'a> {
     plan: &'a Plan,
     position: &'a [[f64; 3]],
     step: f64,
+    lead: f64,
 }
 
 impl Walls<'_> {
@@ -156,7 +158,7 @@ impl Walls<'_> {
         let interaction = self.plan.interaction(material, wall.material);
         let point = self.position[slot.wall as usize].into();
         let touch = touch_wall(sphere.position, sphere.radius, point, normal);
-        let encounter = Encounter::with_wall(sphere, &touch, normal, velocity, law.moments);
+        let encounter = Encounter::with_wall(sphere, &touch, normal, velocity, law.moments, self.lead);
         slot.made = 0.0;
         if touch.overlap <= 0.0 {
             if slot.touching {

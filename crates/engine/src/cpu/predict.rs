@@ -4,6 +4,7 @@ use super::bodies::{Quad, trajectory};
 use super::heat::{Chunk, Kept, Warmed, Warming};
 use super::{CHUNK, Cpu};
 use crate::evaluate::quaternion;
+use crate::plan::prescribe;
 use crate::{Constraint, Domain, Fault, Integrator};
 use rayon::prelude::*;
 use tdem_physics::motion::{gear, sphere_inertia, verlet};
@@ -281,13 +282,6 @@ fn gear_particle(
     place.set_vector(predicted.position);
     motion.set_vector(prescribe(predicted.velocity, &end.velocity));
     *derivatives = predicted.derivatives.map(Into::into);
-}
-
-/// Puts prescribed components in the place of computed ones.
-#[inline(always)]
-pub(super) fn prescribe(velocity: Vec3<f64>, prescribed: &[Option<f64>; 3]) -> Vec3<f64> {
-    let [x, y, z] = prescribed;
-    Vec3 { x: x.unwrap_or(velocity.x), y: y.unwrap_or(velocity.y), z: z.unwrap_or(velocity.z) }
 }
 
 /// Brings a centre that left through a face that repeats back in through the opposite one.

@@ -243,6 +243,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         dt: plan.dt,
         half_dt: 0.5 * plan.dt,
         history_dt: plan.dt,
+        lead: plan.lead(),
         former_time: 0.0,
         time: 0.0,
         middle_time: 0.0,

@@ -150,6 +150,8 @@ records! {
         half_dt: f64,
         /// $\Delta t$ as forces see it, s: 0 while a fresh state is prepared.
         history_dt: f64,
+        /// Time by which positions are ahead of velocities, s: 0 while a fresh state is prepared.
+        lead: f64,
         /// Time of the end of the step before the present one, s.
         former_time: f64,
         /// Time of the end of the present step, s.

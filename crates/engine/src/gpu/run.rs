@@ -478,7 +478,7 @@ impl<R: Runtime> Gpu<R> {
         self.queue.clear(&self.status, STATUS)?;
         self.step_record.set_clock(&self.plan, self.step);
         let record = self.step_record;
-        self.step_record = Step { history_dt: 0.0, frozen: 1, ..record };
+        self.step_record = Step { history_dt: 0.0, lead: 0.0, frozen: 1, ..record };
         self.launch_bonds()?;
         self.launch_contact()?;
         self.step_record = record;

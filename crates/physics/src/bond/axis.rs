@@ -13,6 +13,9 @@ pub struct Ends<R> {
     pub second: Sphere<R>,
     /// From the first centre to the second, the nearest image, m.
     pub offset: Vec3<R>,
+    /// Time by which the offset is ahead of the velocities, s: half a step under velocity Verlet, else 0
+    /// ([`crate::contact::Encounter`]).
+    pub lead: R,
 }
 
 impl<R: Real> Ends<R> {
@@ -20,6 +23,15 @@ impl<R: Real> Ends<R> {
     #[inline(always)]
     pub(super) fn length(&self) -> R {
         self.offset.dot(self.offset).sqrt().named("bond_length")
+    }
+
+    /// The rates of deformation in the geometry that the velocities belong to, m/s and rad/s; vectors lie across the normal of
+    /// that geometry.
+    #[inline(always)]
+    #[must_use]
+    pub fn rates(&self) -> Modes<R> {
+        let offset = self.offset - (self.second.velocity - self.first.velocity) * self.lead;
+        Axis::of(&Ends { offset, ..*self }).motion(self)
     }
 }
 
@@ -64,7 +76,7 @@ impl<R: Real> Axis<R> {
         }
     }
 
-    /// The rates of deformation, m/s and rad/s.
+    /// The rates of deformation of a bond along this axis, m/s and rad/s.
     ///
     /// $$\mathbf v_c = \mathbf v_2 - \mathbf v_1 - (d_1\boldsymbol\omega_1 + d_2\boldsymbol\omega_2)\times\mathbf n,\qquad
     /// \boldsymbol\omega_r = \boldsymbol\omega_2 - \boldsymbol\omega_1$$
@@ -87,6 +99,20 @@ impl<R: Real> Axis<R> {
             torsion: twisting,
             bending: spin - self.normal * twisting,
         }
+    }
+
+    /// [`Ends::rates`] with vectors projected onto the plane across this axis.
+    #[inline(always)]
+    #[must_use]
+    pub fn rates(&self, ends: &Ends<R>) -> Modes<R> {
+        let rates = ends.rates();
+        Modes { shear: self.across(rates.shear), bending: self.across(rates.bending), ..rates }
+    }
+
+    /// The part of a vector across the axis.
+    #[inline(always)]
+    fn across(&self, vector: Vec3<R>) -> Vec3<R> {
+        vector - self.normal * vector.dot(self.normal)
     }
 
     /// $M_t\mathbf n + \mathbf M_b$ of a load.

@@ -46,7 +46,7 @@ pub fn coefficients<R: Real>(
 }
 
 /// What the dashpots of a bond add to the load of its springs: each coefficient times its rate of deformation
-/// ([`Axis::motion`]), N and N m on the first body, which they drag along with the second. They do not count as stress.
+/// ([`Axis::rates`]), N and N m on the first body, which they drag along with the second. They do not count as stress.
 #[inline(always)]
 pub fn load<R: Real>(motion: &Modes<R>, bond: &Bond<R>) -> Modes<R> {
     motion.times(&bond.damping)
@@ -54,9 +54,9 @@ pub fn load<R: Real>(motion: &Modes<R>, bond: &Bond<R>) -> Modes<R> {
 
 /// Energy that the dashpots of a bond take during a step, J: the work of their forces, which see the velocities of
 /// `ends`, at the velocities of `settled`, those at the end of the step as well as they are known
-/// ([`crate::contact::Encounter::settled_velocity`] tells why).
+/// with the geometry of the end ([`crate::contact::Encounter::settled_velocity`] tells why).
 #[inline(always)]
 pub fn loss<R: Real>(ends: &Ends<R>, settled: &Ends<R>, bond: &Bond<R>, step: R) -> R {
     let axis = Axis::of(ends);
-    load(&axis.motion(ends), bond).dot(&axis.motion(settled)) * step
+    load(&axis.rates(ends), bond).dot(&axis.motion(settled)) * step
 }

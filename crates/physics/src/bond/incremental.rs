@@ -59,10 +59,11 @@ impl<R: Real> History<R> {
 ///    - \Delta L_0]$.
 ///
 /// # Numerics
-/// The vectors are right to first order in the step. A rigid rotation at the velocities of the present places changes
-/// none of their lengths. Velocities of the middle of the step, as velocity Verlet has them, belong to the chord of the way
-/// and not to its end: a rotation by $\varphi$ in a step then looks like a slip of $L\varphi^3/6$, which free bodies give
-/// way to by spinning that much slower than the bond ([`super::total`] has nothing of the kind). The couple is
+/// Rates are those of the geometry that the velocities belong to ([`Ends::rates`]): under velocity Verlet that of the middle of
+/// the step, where a rigid rotation has none, and where the normal force of [`Tension::Stored`] and that of the length agree.
+/// The increments are right to second order then; with the geometry of the end they would be right to first order, and a
+/// rotation at $\omega$ would shorten the length that a stored normal force sees by $\tfrac12\omega^2\Delta t\,L$ in a unit
+/// of time. The couple is
 /// stored as one vector (48 bytes in place of 56 and a normal); after it was turned with the normal its part along the
 /// normal is the torsion.
 ///
@@ -78,8 +79,8 @@ pub fn load<R: Real>(
 ) -> Modes<R> {
     let Advance { earlier, rest, step } = *advance;
     let normal = axis.normal;
-    let (first_spin, second_spin) = (ends.first.angular_velocity, ends.second.angular_velocity);
-    let turning = Turning::of(earlier.normal, normal, first_spin, second_spin, step);
+    let spins = [ends.first.angular_velocity, ends.second.angular_velocity];
+    let turning = Turning::of([earlier.normal, normal], spins, step);
     let couple = turning.with_normal(earlier.couple).named(["turned_couple_x", "turned_couple_y", "turned_couple_z"]);
     let torsion = couple.dot(normal).named("turned_torsion");
     let turned = Modes {
@@ -89,7 +90,7 @@ pub fn load<R: Real>(
         bending: turning.about_normal(couple - normal * torsion),
     };
 
-    let motion = axis.motion(ends);
+    let motion = axis.rates(ends);
     let stiffness = &bond.stiffness;
     let advanced = turned.plus(&motion.times(&stiffness.scaled(step, step)));
     let normal_force = match tension {

@@ -18,10 +18,14 @@ pub struct Turning<R> {
 }
 
 impl<R: Real> Turning<R> {
-    /// From the earlier normal to the present one, with angular velocities (rad/s) over a step (s).
+    /// From the earlier normal to the present one, with the angular velocities of both bodies (rad/s) over a step (s).
+    ///
+    /// # Numerics
+    /// Exact in a rigid rotation at a constant angular velocity that turns by $2\arctan(\omega\Delta t/2)$ in a step: both
+    /// normals have the same component of it.
     #[inline(always)]
     #[must_use]
-    pub fn of(earlier_normal: Vec3<R>, normal: Vec3<R>, first_spin: Vec3<R>, second_spin: Vec3<R>, step: R) -> Self {
+    pub fn of([earlier_normal, normal]: [Vec3<R>; 2], [first_spin, second_spin]: [Vec3<R>; 2], step: R) -> Self {
         let one = R::lit(1.0);
         let cosine = earlier_normal.dot(normal).named("cosine");
         // The tangent of half the angle.
@@ -87,7 +91,7 @@ mod tests {
                 let angle = 2.0 * PI * f64::from(k) / f64::from(steps);
                 let next = vec3(libm::cos(angle), libm::sin(angle), 0.0);
                 let spin = vec3(0.0, 0.0, 2.0 * PI);
-                let turning = Turning::of(normal, next, spin, spin, 1.0 / f64::from(steps));
+                let turning = Turning::of([normal, next], [spin, spin], 1.0 / f64::from(steps));
                 force = turning.about_normal(turning.with_normal(force));
                 normal = next;
             }
@@ -101,7 +105,7 @@ mod tests {
         let normal = vec3(0.0, 0.0, 1.0);
         let (rate, step) = (0.1, 1.0);
         let spin = normal * rate;
-        let turned = Turning::of(normal, normal, spin, spin, step).about_normal(vec3(2.0, 0.0, 0.0));
+        let turned = Turning::of([normal, normal], [spin, spin], step).about_normal(vec3(2.0, 0.0, 0.0));
         assert!((turned.dot(turned).sqrt() - 2.0).abs() < 1e-15);
         let angle = libm::atan2(turned.y, turned.x);
         assert!((angle - 2.0 * libm::atan(0.05)).abs() < 1e-15 && (angle - 0.1).abs() < 0.1 * 0.1 * 0.1 / 11.0);

@@ -89,19 +89,36 @@ pub fn touch_wall<R: Real>(position: Vec3<R>, radius: R, wall_point: Vec3<R>, wa
     Touch { offset: wall_normal * -distance, distance, overlap: radius - distance }
 }
 
-/// All that the contact law needs to know of a meeting.
+/// The quantities of a pair in contact that the contact law depends on.
+///
+/// # Numerics
+/// Positions are those of the end of the step. Under velocity Verlet velocities are those of its middle, so that rates are
+/// taken with the geometry of the middle: `lead`, the time by which positions are ahead of velocities, is $\Delta t/2$, and
+/// the offset there is $\mathbf r - \texttt{lead}(\mathbf v_2-\mathbf v_1)$. With the geometry of the end a body that turns
+/// rigidly would have the false relative velocity $\boldsymbol\omega\times(\boldsymbol\omega\times\mathbf r)\Delta t/2$ in
+/// each of its contacts. Where positions and velocities belong to the same time (Gear's integrator, a state at rest),
+/// `lead` is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Encounter<R> {
-    /// $\mathbf n$ from the first body to the second.
+    /// $\mathbf n$ from the first body to the second, at the end of the step: the direction of the normal force.
     pub normal: Vec3<R>,
-    /// $h$, m.
+    /// $h$ at the end of the step, m.
     pub overlap: R,
-    /// $\mathbf v_c$, velocity of the second surface relative to the first, m/s. Forces and history see it; under velocity
-    /// Verlet it is that of the middle of the step.
-    pub relative_velocity: Vec3<R>,
-    /// The same at the end of the step, as well as it is known, m/s. Only losses see it: forces at the end of a step do
-    /// work at the velocity there, and a ledger that took the earlier one would close to first order only.
+    /// $v_n = \mathbf v_c\cdot\mathbf n$ in the geometry that velocities belong to, m/s; negative while approaching.
+    pub normal_speed: R,
+    /// $\mathbf v_t = \mathbf v_c - v_n\mathbf n$ in the geometry that velocities belong to, projected onto the plane of
+    /// contact of the end of the step, m/s.
+    pub tangential_velocity: Vec3<R>,
+    /// $\mathbf v_c$ of the end of the step, in its geometry, as well as it is known, m/s. Only losses depend on it: forces
+    /// of the end of a step do work at the velocity there, and a ledger that took the earlier one would close to first order
+    /// only.
     pub settled_velocity: Vec3<R>,
+    /// Unit bisector of the normals of the beginning and of the end of the step: a stored displacement turns with the normal
+    /// by twice the angle between it and [`Self::normal`].
+    pub bisector: Vec3<R>,
+    /// $\tfrac12(\boldsymbol\omega_1+\boldsymbol\omega_2)\cdot\mathbf n$, rad/s: the rate at which a stored displacement
+    /// turns about the normal.
+    pub mean_spin: R,
     /// $R^*$, m.
     pub radius_eff: R,
     /// $m^*$, kg.
@@ -113,28 +130,52 @@ impl<R: Real> Encounter<R> {
     /// $\mathbf v_c = \mathbf v_2 - \mathbf v_1 - (d_1\boldsymbol\omega_1 + d_2\boldsymbol\omega_2)\times\mathbf n$,
     /// $1/R^* = 1/R_1 + 1/R_2$, $1/m^* = 1/m_1 + 1/m_2$.
     ///
-    /// Without `spin` (models without moments) the angular velocities are not looked at.
+    /// | argument | symbol | unit |
+    /// |---|---|---|
+    /// | `first`, `second` | $R, \mathbf v, m, \boldsymbol\omega$ | m, m/s, kg, rad/s |
+    /// | `touch` | offset, distance and overlap of the end of the step | m |
+    /// | `spin` | without it (models without moments) the angular velocities are not looked at | |
+    /// | `lead` | time by which positions are ahead of velocities | s |
     #[inline(always)]
-    pub fn of_spheres(first: &Sphere<R>, second: &Sphere<R>, touch: &Touch<R>, spin: bool) -> Self {
+    pub fn of_spheres(first: &Sphere<R>, second: &Sphere<R>, touch: &Touch<R>, spin: bool, lead: R) -> Self {
         let normal = (touch.offset * (R::lit(1.0) / touch.distance)).named(["normal_x", "normal_y", "normal_z"]);
-        let arms = [lever_arm(first.radius, touch.overlap), lever_arm(second.radius, touch.overlap)];
-        let mut relative_velocity = second.velocity - first.velocity;
-        if spin {
+        let approach = second.velocity - first.velocity;
+        let middle = touch_spheres(touch.offset - approach * lead, first.radius + second.radius);
+        let middle_normal = (middle.offset * (R::lit(1.0) / middle.distance)).named([
+            "middle_normal_x",
+            "middle_normal_y",
+            "middle_normal_z",
+        ]);
+        let velocity_at = |overlap: R, normal: Vec3<R>| {
+            if !spin {
+                return approach;
+            }
+            let arms = [lever_arm(first.radius, overlap), lever_arm(second.radius, overlap)];
             let rolling = first.angular_velocity * arms[0] + second.angular_velocity * arms[1];
-            relative_velocity = relative_velocity - rolling.cross(normal);
-        }
+            approach - rolling.cross(normal)
+        };
+        let (normal_speed, tangential_velocity) =
+            rates(velocity_at(middle.overlap, middle_normal), middle_normal, normal);
+        let mean_spin = if spin {
+            (R::lit(0.5) * (first.angular_velocity + second.angular_velocity).dot(normal)).named("mean_spin")
+        } else {
+            R::lit(0.0)
+        };
         Encounter {
             normal,
             overlap: touch.overlap,
-            relative_velocity,
-            settled_velocity: relative_velocity,
+            normal_speed,
+            tangential_velocity,
+            settled_velocity: velocity_at(touch.overlap, normal),
+            bisector: middle_normal,
+            mean_spin,
             radius_eff: radius_eff(first.radius, second.radius).named("radius_eff"),
             mass_eff: (first.mass * second.mass / (first.mass + second.mass)).named("mass_eff"),
         }
     }
 
     /// A sphere and a plane wall moving at `wall_velocity`: the limit $R_2, m_2 \to \infty$, so $R^* = R$, $m^* = m$ and
-    /// the lever arm is $R - h/2$.
+    /// the lever arm is $R - h/2$. A wall does not turn.
     #[inline(always)]
     pub fn with_wall(
         sphere: &Sphere<R>,
@@ -142,33 +183,63 @@ impl<R: Real> Encounter<R> {
         wall_normal: Vec3<R>,
         wall_velocity: Vec3<R>,
         spin: bool,
+        lead: R,
     ) -> Self {
-        let normal = (-wall_normal).named(["normal_x", "normal_y", "normal_z"]);
-        let mut relative_velocity = wall_velocity - sphere.velocity;
-        if spin {
-            let arm = lever_arm(sphere.radius, touch.overlap);
-            relative_velocity = relative_velocity - (sphere.angular_velocity * arm).cross(normal);
-        }
+        let normal = -wall_normal;
+        let approach = wall_velocity - sphere.velocity;
+        let middle_overlap = touch.overlap + lead * approach.dot(normal);
+        let velocity_at = |overlap: R| {
+            if !spin {
+                return approach;
+            }
+            approach - (sphere.angular_velocity * lever_arm(sphere.radius, overlap)).cross(normal)
+        };
+        let (normal_speed, tangential_velocity) = rates(velocity_at(middle_overlap), normal, normal);
+        let mean_spin = if spin { R::lit(0.5) * sphere.angular_velocity.dot(normal) } else { R::lit(0.0) };
         Encounter {
             normal,
             overlap: touch.overlap,
-            relative_velocity,
-            settled_velocity: relative_velocity,
+            normal_speed,
+            tangential_velocity,
+            settled_velocity: velocity_at(touch.overlap),
+            bisector: normal,
+            mean_spin,
             radius_eff: sphere.radius,
             mass_eff: sphere.mass,
         }
     }
 
-    /// Adds what the second half of the step will change, guessed from the first: `kicks` are the changes of velocity and
-    /// angular velocity (times lever arm) of the first and the second body in a half step.
+    /// Adds the change of velocities in the second half of the step, estimated by that in the first: `kicks` are the changes
+    /// of velocity and angular velocity (times lever arm) of the first and the second body in a half step.
     #[inline(always)]
     #[must_use]
     pub fn settled(self, kicks: [Kick<R>; 2]) -> Self {
         let [first, second] = kicks;
         let rolling = (first.rolling + second.rolling).cross(self.normal);
         let change = (second.velocity - first.velocity) - rolling;
-        Encounter { settled_velocity: self.relative_velocity + change, ..self }
+        Encounter { settled_velocity: self.settled_velocity + change, ..self }
     }
+
+    /// The same contact after its history was advanced: a step of zero length leaves stored displacements where they are.
+    #[inline(always)]
+    #[must_use]
+    pub fn advanced(self) -> Self {
+        Encounter { bisector: self.normal, ..self }
+    }
+}
+
+/// Normal speed and tangential velocity of a relative velocity, by the normal that it belongs to; the tangential part lies in
+/// the plane across the normal of the end of the step.
+///
+/// # Numerics
+/// The angle between the two normals is that of half a step, $\varphi/2$; the projection shortens what lies in the plane of
+/// rotation by $\varphi^2/8$, which is of the order of the scheme.
+#[inline(always)]
+fn rates<R: Real>(velocity: Vec3<R>, velocity_normal: Vec3<R>, normal: Vec3<R>) -> (R, Vec3<R>) {
+    let normal_speed = velocity.dot(velocity_normal).named("normal_speed");
+    let across = velocity - velocity_normal * normal_speed;
+    let tangential = across - normal * across.dot(normal);
+    (normal_speed, tangential.named(["tangential_velocity_x", "tangential_velocity_y", "tangential_velocity_z"]))
 }
 
 /// How half a step changed the motion of a body.
@@ -231,9 +302,10 @@ mod tests {
         };
         let up = vec3(0.0, 0.0, 1.0);
         let touch = touch_wall(sphere.position, radius, Vec3::zero(), up);
-        let encounter = Encounter::with_wall(&sphere, &touch, up, Vec3::zero(), true);
+        let encounter = Encounter::with_wall(&sphere, &touch, up, Vec3::zero(), true, 0.0);
         assert!((touch.overlap - overlap).abs() < 1e-15);
-        assert!(encounter.relative_velocity.dot(encounter.relative_velocity) < 1e-30);
+        let slip = encounter.tangential_velocity;
+        assert!(encounter.normal_speed.abs() < 1e-15 && slip.dot(slip) < 1e-30);
     }
 
     #[test]
@@ -254,11 +326,12 @@ mod tests {
         };
         let meet = |a: &Sphere<f64>, b: &Sphere<f64>| {
             let touch = touch_spheres(b.position - a.position, a.radius + b.radius);
-            Encounter::of_spheres(a, b, &touch, true)
+            Encounter::of_spheres(a, b, &touch, true, 0.01)
         };
         let (ab, ba) = (meet(&a, &b), meet(&b, &a));
         assert_eq!(ab.normal, -ba.normal);
-        assert_eq!(ab.relative_velocity, -ba.relative_velocity);
+        assert_eq!((ab.tangential_velocity, ab.bisector), (-ba.tangential_velocity, -ba.bisector));
+        assert_eq!((ab.settled_velocity, ab.normal_speed), (-ba.settled_velocity, ba.normal_speed));
         assert_eq!((ab.overlap, ab.radius_eff, ab.mass_eff), (ba.overlap, ba.radius_eff, ba.mass_eff));
     }
 }

@@ -72,14 +72,14 @@ pub struct BondTotal {
 
 impl Formula for BondTotal {
     const NAME: &'static str = "bond_total";
-    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "posture", "bond"];
+    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "posture", "bond", "lead"];
     const OUTPUTS: &'static [&'static str] = &["reaction"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Posture<R>, Bond<R>);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Posture<R>, Bond<R>, R);
     type Output<R: Real> = (Reaction<R>,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (first, second, offset, posture, bond): Self::Input<R>) -> Self::Output<R> {
-        (bond::respond_total(self.damping, &Ends { first, second, offset }, &posture, &bond),)
+    fn apply<R: Real>(&self, (first, second, offset, posture, bond, lead): Self::Input<R>) -> Self::Output<R> {
+        (bond::respond_total(self.damping, &Ends { first, second, offset, lead }, &posture, &bond),)
     }
 }
 
@@ -94,14 +94,14 @@ pub struct BondIncremental {
 
 impl Formula for BondIncremental {
     const NAME: &'static str = "bond_incremental";
-    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "advance", "bond"];
+    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "advance", "bond", "lead"];
     const OUTPUTS: &'static [&'static str] = &["history", "reaction"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Advance<R>, Bond<R>);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Advance<R>, Bond<R>, R);
     type Output<R: Real> = (History<R>, Reaction<R>);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (first, second, offset, advance, bond): Self::Input<R>) -> Self::Output<R> {
-        let ends = Ends { first, second, offset };
+    fn apply<R: Real>(&self, (first, second, offset, advance, bond, lead): Self::Input<R>) -> Self::Output<R> {
+        let ends = Ends { first, second, offset, lead };
         bond::respond_incremental(self.tension, self.damping, &ends, &advance, &bond)
     }
 }
@@ -130,18 +130,18 @@ pub struct BondLoss;
 impl Formula for BondLoss {
     const NAME: &'static str = "bond_loss";
     const INPUTS: &'static [&'static str] =
-        &["first", "second", "settled_first", "settled_second", "offset", "bond", "dt"];
+        &["first", "second", "settled_first", "settled_second", "offset", "bond", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["loss"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Sphere<R>, Sphere<R>, Vec3<R>, Bond<R>, R);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Sphere<R>, Sphere<R>, Vec3<R>, Bond<R>, R, R);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
     fn apply<R: Real>(
         &self,
-        (first, second, settled_first, settled_second, offset, bond, dt): Self::Input<R>,
+        (first, second, settled_first, settled_second, offset, bond, dt, lead): Self::Input<R>,
     ) -> Self::Output<R> {
-        let settled = Ends { first: settled_first, second: settled_second, offset };
-        (damping::loss(&Ends { first, second, offset }, &settled, &bond, dt),)
+        let settled = Ends { first: settled_first, second: settled_second, offset, lead: R::lit(0.0) };
+        (damping::loss(&Ends { first, second, offset, lead }, &settled, &bond, dt),)
     }
 }
 
@@ -168,14 +168,14 @@ pub struct BondRelease;
 
 impl Formula for BondRelease {
     const NAME: &'static str = "bond_release";
-    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "load", "bond", "dt"];
+    const INPUTS: &'static [&'static str] = &["first", "second", "offset", "load", "bond", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["energy"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Modes<R>, Bond<R>, R);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Vec3<R>, Modes<R>, Bond<R>, R, R);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (first, second, offset, load, bond, dt): Self::Input<R>) -> Self::Output<R> {
-        (bond::released_energy(&Ends { first, second, offset }, &load, &bond, dt),)
+    fn apply<R: Real>(&self, (first, second, offset, load, bond, dt, lead): Self::Input<R>) -> Self::Output<R> {
+        (bond::released_energy(&Ends { first, second, offset, lead }, &load, &bond, dt),)
     }
 }
 
@@ -185,14 +185,14 @@ pub struct ContactBegun;
 
 impl Formula for ContactBegun {
     const NAME: &'static str = "contact_begun";
-    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "pair", "dt"];
+    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["energy"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Interaction<R>, R);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Interaction<R>, R, R);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (first, second, touch, pair, dt): Self::Input<R>) -> Self::Output<R> {
-        (contact::begun_energy(&Encounter::of_spheres(&first, &second, &touch, true), &pair, dt),)
+    fn apply<R: Real>(&self, (first, second, touch, pair, dt, lead): Self::Input<R>) -> Self::Output<R> {
+        (contact::begun_energy(&Encounter::of_spheres(&first, &second, &touch, true, lead), &pair, dt),)
     }
 }
 

@@ -83,14 +83,14 @@ pub struct ContactOfSpheres {
 
 impl Formula for ContactOfSpheres {
     const NAME: &'static str = "contact_of_spheres";
-    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "displacement", "pair", "dt"];
+    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "displacement", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["response"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Vec3<R>, Interaction<R>, R);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Vec3<R>, Interaction<R>, R, R);
     type Output<R: Real> = (Response<R>,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (first, second, touch, displacement, pair, dt): Self::Input<R>) -> Self::Output<R> {
-        let encounter = Encounter::of_spheres(&first, &second, &touch, self.law.moments);
+    fn apply<R: Real>(&self, (first, second, touch, displacement, pair, dt, lead): Self::Input<R>) -> Self::Output<R> {
+        let encounter = Encounter::of_spheres(&first, &second, &touch, self.law.moments, lead);
         (contact::respond(self.law, &encounter, displacement, &pair, dt),)
     }
 }
@@ -105,17 +105,17 @@ pub struct ContactWithWall {
 impl Formula for ContactWithWall {
     const NAME: &'static str = "contact_with_wall";
     const INPUTS: &'static [&'static str] =
-        &["sphere", "touch", "wall_normal", "wall_velocity", "displacement", "pair", "dt"];
+        &["sphere", "touch", "wall_normal", "wall_velocity", "displacement", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["response"];
-    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, Vec3<R>, Interaction<R>, R);
+    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, Vec3<R>, Interaction<R>, R, R);
     type Output<R: Real> = (Response<R>,);
 
     #[inline(always)]
     fn apply<R: Real>(
         &self,
-        (sphere, touch, wall_normal, wall_velocity, displacement, pair, dt): Self::Input<R>,
+        (sphere, touch, wall_normal, wall_velocity, displacement, pair, dt, lead): Self::Input<R>,
     ) -> Self::Output<R> {
-        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments);
+        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments, lead);
         (contact::respond(self.law, &encounter, displacement, &pair, dt),)
     }
 }
@@ -130,19 +130,19 @@ pub struct SettledContactOfSpheres {
 impl Formula for SettledContactOfSpheres {
     const NAME: &'static str = "settled_contact_of_spheres";
     const INPUTS: &'static [&'static str] =
-        &["first", "second", "touch", "first_kick", "second_kick", "displacement", "pair", "dt"];
+        &["first", "second", "touch", "first_kick", "second_kick", "displacement", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["response"];
     type Input<R: Real> =
-        (Sphere<R>, Sphere<R>, Touch<R>, contact::Kick<R>, contact::Kick<R>, Vec3<R>, Interaction<R>, R);
+        (Sphere<R>, Sphere<R>, Touch<R>, contact::Kick<R>, contact::Kick<R>, Vec3<R>, Interaction<R>, R, R);
     type Output<R: Real> = (Response<R>,);
 
     #[inline(always)]
     fn apply<R: Real>(
         &self,
-        (first, second, touch, first_kick, second_kick, displacement, pair, dt): Self::Input<R>,
+        (first, second, touch, first_kick, second_kick, displacement, pair, dt, lead): Self::Input<R>,
     ) -> Self::Output<R> {
         let encounter =
-            Encounter::of_spheres(&first, &second, &touch, self.law.moments).settled([first_kick, second_kick]);
+            Encounter::of_spheres(&first, &second, &touch, self.law.moments, lead).settled([first_kick, second_kick]);
         (contact::respond(self.law, &encounter, displacement, &pair, dt),)
     }
 }
@@ -157,17 +157,17 @@ pub struct SettledContactWithWall {
 impl Formula for SettledContactWithWall {
     const NAME: &'static str = "settled_contact_with_wall";
     const INPUTS: &'static [&'static str] =
-        &["sphere", "touch", "wall_normal", "wall_velocity", "sphere_kick", "displacement", "pair", "dt"];
+        &["sphere", "touch", "wall_normal", "wall_velocity", "sphere_kick", "displacement", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["response"];
-    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, contact::Kick<R>, Vec3<R>, Interaction<R>, R);
+    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, contact::Kick<R>, Vec3<R>, Interaction<R>, R, R);
     type Output<R: Real> = (Response<R>,);
 
     #[inline(always)]
     fn apply<R: Real>(
         &self,
-        (sphere, touch, wall_normal, wall_velocity, sphere_kick, displacement, pair, dt): Self::Input<R>,
+        (sphere, touch, wall_normal, wall_velocity, sphere_kick, displacement, pair, dt, lead): Self::Input<R>,
     ) -> Self::Output<R> {
-        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments)
+        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments, lead)
             .settled([sphere_kick, contact::Kick::none()]);
         (contact::respond(self.law, &encounter, displacement, &pair, dt),)
     }
@@ -182,14 +182,14 @@ pub struct ReleasedBySpheres {
 
 impl Formula for ReleasedBySpheres {
     const NAME: &'static str = "released_by_spheres";
-    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "displacement", "pair", "dt"];
+    const INPUTS: &'static [&'static str] = &["first", "second", "touch", "displacement", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["energy"];
-    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Vec3<R>, Interaction<R>, R);
+    type Input<R: Real> = (Sphere<R>, Sphere<R>, Touch<R>, Vec3<R>, Interaction<R>, R, R);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
-    fn apply<R: Real>(&self, (first, second, touch, displacement, pair, dt): Self::Input<R>) -> Self::Output<R> {
-        let encounter = Encounter::of_spheres(&first, &second, &touch, self.law.moments);
+    fn apply<R: Real>(&self, (first, second, touch, displacement, pair, dt, lead): Self::Input<R>) -> Self::Output<R> {
+        let encounter = Encounter::of_spheres(&first, &second, &touch, self.law.moments, lead);
         (contact::released_energy(&encounter, displacement, &pair, dt),)
     }
 }
@@ -204,17 +204,17 @@ pub struct ReleasedByWall {
 impl Formula for ReleasedByWall {
     const NAME: &'static str = "released_by_wall";
     const INPUTS: &'static [&'static str] =
-        &["sphere", "touch", "wall_normal", "wall_velocity", "displacement", "pair", "dt"];
+        &["sphere", "touch", "wall_normal", "wall_velocity", "displacement", "pair", "dt", "lead"];
     const OUTPUTS: &'static [&'static str] = &["energy"];
-    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, Vec3<R>, Interaction<R>, R);
+    type Input<R: Real> = (Sphere<R>, Touch<R>, Vec3<R>, Vec3<R>, Vec3<R>, Interaction<R>, R, R);
     type Output<R: Real> = (R,);
 
     #[inline(always)]
     fn apply<R: Real>(
         &self,
-        (sphere, touch, wall_normal, wall_velocity, displacement, pair, dt): Self::Input<R>,
+        (sphere, touch, wall_normal, wall_velocity, displacement, pair, dt, lead): Self::Input<R>,
     ) -> Self::Output<R> {
-        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments);
+        let encounter = Encounter::with_wall(&sphere, &touch, wall_normal, wall_velocity, self.law.moments, lead);
         (contact::released_energy(&encounter, displacement, &pair, dt),)
     }
 }

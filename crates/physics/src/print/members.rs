@@ -235,3 +235,4 @@ parameters!(A 0, B 1, C 2, D 3, E 4);
 parameters!(A 0, B 1, C 2, D 3, E 4, F 5);
 parameters!(A 0, B 1, C 2, D 3, E 4, F 5, G 6);
 parameters!(A 0, B 1, C 2, D 3, E 4, F 5, G 6, H 7);
+parameters!(A 0, B 1, C 2, D 3, E 4, F 5, G 6, H 7, I 8);

@@ -211,7 +211,8 @@ fn load_ends<R: Eight>(scene: &Scene<'_>, period: Option<&Period<R>>, group: &Gr
     if let Some(period) = period {
         offset = period.nearest(offset);
     }
-    Ends { first: load_spheres(scene, &group.i, ra), second: load_spheres(scene, &group.j, rb), offset }
+    let (first, second) = (load_spheres(scene, &group.i, ra), load_spheres(scene, &group.j, rb));
+    Ends { first, second, offset, lead: R::lit(scene.lead) }
 }
 
 /// Eight spheres without their positions.
@@ -235,7 +236,7 @@ fn settled<R: Eight>(scene: &Scene<'_>, group: &Group, ends: &Ends<R>) -> Ends<R
     if scene.kick.is_empty() {
         return *ends;
     }
-    let mut settled = *ends;
+    let mut settled = Ends { lead: R::lit(0.0), ..*ends };
     for (sphere, index) in [(&mut settled.first, &group.i), (&mut settled.second, &group.j)] {
         sphere.velocity = sphere.velocity + load_vectors(scene.kick, index);
         sphere.angular_velocity = sphere.angular_velocity + load_vectors(scene.twist, index);

@@ -169,6 +169,7 @@ struct Eights<R> {
     law: Law,
     period: Option<Period<R>>,
     step: R,
+    lead: R,
     overlap_limit: R,
     /// The parameters, where there is one pair of materials only.
     alone: Option<Interaction<R>>,
@@ -182,6 +183,7 @@ impl<R: Eight> Eights<R> {
             law: scene.law::<V>(),
             period: scene.period.as_ref().map(lanes_period),
             step: R::lit(scene.step),
+            lead: R::lit(scene.lead),
             overlap_limit: R::lit(scene.overlap_limit),
             alone: if scene.interactions.len() == 1 { Some(splat(&scene.interactions[0])) } else { None },
             warm: WarmEights::new(scene),
@@ -214,7 +216,7 @@ impl<R: Eight> Eights<R> {
         let a = load_spheres::<V, R>(scene, &group.i, radii[0]);
         let b = load_spheres::<V, R>(scene, &group.j, radii[1]);
         let arms = [lever_arm(radii[0], touch.overlap), lever_arm(radii[1], touch.overlap)];
-        let mut encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS);
+        let mut encounter = Encounter::of_spheres(&a, &b, touch, V::MOMENTS, self.lead);
         if V::LEDGER && !scene.kick.is_empty() {
             let first = load_kicks::<V, R>(scene, &group.i, arms[0]);
             encounter = encounter.settled([first, load_kicks::<V, R>(scene, &group.j, arms[1])]);

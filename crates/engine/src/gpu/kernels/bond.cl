@@ -77,13 +77,13 @@ DEVICE real energy_of_breakage(const Step step, const Sphere first, const Sphere
                                const Modes load, const Bond bond, const Interaction pair)
 {
     real energy;
-    bond_release(first, second, offset, load, bond, step.history_dt, &energy);
+    bond_release(first, second, offset, load, bond, step.history_dt, step.lead, &energy);
 #if BONDS_KEEP_OFF
     Touch touch;
     touch_of_spheres(offset, first.radius + second.radius, &touch);
     if (touch.overlap > 0.0) {
         real begun;
-        contact_begun(first, second, touch, pair, step.history_dt, &begun);
+        contact_begun(first, second, touch, pair, step.history_dt, step.lead, &begun);
         energy -= begun;
     }
 #endif
@@ -280,9 +280,9 @@ kernel bond
             bond_rest(bonded_length, 0.0, 0.0, &advance.rest);
             advance.dt = step.history_dt;
             History now;
-            bond_incremental(first, second, offset, advance, numbers, &now, &acting);
+            bond_incremental(first, second, offset, advance, numbers, step.lead, &now, &acting);
 #else
-            bond_total(first, second, offset, posture, numbers, &acting);
+            bond_total(first, second, offset, posture, numbers, step.lead, &acting);
 #endif
             // While a fresh state is prepared nothing breaks.
             const int breaks = acting.failure > 0.0 && step.history_dt > 0.0;
@@ -327,12 +327,12 @@ kernel bond
             real loss = 0.0;
 #if GEAR
             if (!breaks)
-                bond_loss(first, second, first, second, offset, numbers, step.history_dt, &loss);
+                bond_loss(first, second, first, second, offset, numbers, step.history_dt, step.lead, &loss);
 #else
             if (!breaks)
                 bond_loss(first, second, settled(first, vector(kick_by_half[i]), vector(twist_by_half[i])),
                           settled(second, vector(kick_by_half[j]), vector(twist_by_half[j])), offset, numbers,
-                          step.history_dt, &loss);
+                          step.history_dt, step.lead, &loss);
 #endif
             bond_lost[b] = loss;
 #endif
@@ -373,7 +373,7 @@ DEVICE Reaction evaluate_bond(const Step step, const u32 i, const u32 j, const u
     *numbers = bond_at(step, *numbers, MATERIAL_OF(kind[i]), MATERIAL_OF(kind[j]), temperature, theirs, heated);
 #endif
     Reaction acting;
-    bond_total(body, partner, offset, posture, *numbers, &acting);
+    bond_total(body, partner, offset, posture, *numbers, step.lead, &acting);
 #if EXPANSION_WORK
     expansion_work_of_bond(link.first_growth, acting.load.normal, bonded_length, work);
 #endif
@@ -445,11 +445,11 @@ DEVICE void sum_bonds(const Step step, const u32 i, const Sphere body, GLOBAL co
         if (MAKES_HEAT || my_rank < rank[j]) {
             real loss;
 #if GEAR
-            bond_loss(body, partner, body, partner, offset, numbers, step.history_dt, &loss);
+            bond_loss(body, partner, body, partner, offset, numbers, step.history_dt, step.lead, &loss);
 #else
             bond_loss(body, partner, settled(body, vector(kick_by_half[i]), vector(twist_by_half[i])),
                       settled(partner, vector(kick_by_half[j]), vector(twist_by_half[j])), offset, numbers,
-                      step.history_dt, &loss);
+                      step.history_dt, step.lead, &loss);
 #endif
 #if MAKES_HEAT
             heat->made_by_bonds += half_of_heat(step, 0.0, loss);

@@ -116,10 +116,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             theirs.rolling = zero();
 #endif
             settled_contact_of_spheres(body, partner, touch, mine, theirs, kept,
-                                       INTERACTION(material, MATERIAL_OF(kind[j])), step.history_dt, &response);
+                                       INTERACTION(material, MATERIAL_OF(kind[j])), step.history_dt, step.lead, &response);
 #else
             contact_of_spheres(body, partner, touch, kept, INTERACTION(material, MATERIAL_OF(kind[j])),
-                               step.history_dt, &response);
+                               step.history_dt, step.lead, &response);
 #endif
             touches = 1;
             f = plus(f, response.force);
@@ -161,7 +161,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                                                  QUAD(0.0, 0.0, 0.0, 0.0)
 #endif
                                                  ), touch, displacement_at(displacement, k, i),
-                                    INTERACTION(material, MATERIAL_OF(kind[j])), step.history_dt, &energy);
+                                    INTERACTION(material, MATERIAL_OF(kind[j])), step.history_dt, step.lead, &energy);
                 released += energy;
             }
 #endif
@@ -195,10 +195,10 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
             mine.velocity = my_kick;
             mine.rolling = times(my_twist, arm);
             settled_contact_with_wall(body, touch, wall.normal, wall.velocity, mine, kept,
-                                      INTERACTION(material, wall.material), step.history_dt, &response);
+                                      INTERACTION(material, wall.material), step.history_dt, step.lead, &response);
 #else
             contact_with_wall(body, touch, wall.normal, wall.velocity, kept, INTERACTION(material, wall.material),
-                              step.history_dt, &response);
+                              step.history_dt, step.lead, &response);
 #endif
             touches = 1;
             f = plus(f, response.force);
@@ -235,7 +235,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #if LEDGER && FRICTION
             real energy;
             released_by_wall(body, touch, wall.normal, wall.velocity, displacement_at(displacement, k, i),
-                             INTERACTION(material, wall.material), step.history_dt, &energy);
+                             INTERACTION(material, wall.material), step.history_dt, step.lead, &energy);
             account->z -= energy;
 #endif
         }
