@@ -93,14 +93,10 @@ impl Body {
                 .map(|[x, y, z]: [f64; 3]| vec3(x, y, z) * corner)
                 .to_vec(),
             Body::Ball => {
-                let steps = [-1, 0, 1];
-                let all =
-                    steps.iter().flat_map(|&x| steps.iter().flat_map(move |&y| steps.iter().map(move |&z| [x, y, z])));
-                all.filter(|site: &[i32; 3]| [0, 2].contains(&site.iter().map(|c| c * c).sum::<i32>()))
-                    .map(|site| {
-                        let [x, y, z] = site.map(f64::from);
-                        vec3(x, y, z) * (2.0 * corner)
-                    })
+                let sites = (0..27).map(|k| [k % 3, k / 3 % 3, k / 9].map(|c| f64::from(c) - 1.0));
+                sites
+                    .filter(|site| [0.0, 2.0].contains(&site.iter().map(|c| c * c).sum::<f64>()))
+                    .map(|[x, y, z]| vec3(x, y, z) * (2.0 * corner))
                     .collect()
             }
         }
