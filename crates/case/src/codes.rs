@@ -144,6 +144,13 @@ crate::codes! {
     /// Name two groups or zones that lie apart.
     error GAUGE_OF_ONE = "tdem::case::gauge-of-one";
 
+    /// Under Gear's integrator the vibration of bonds that store shear forces and moments, but not the normal force, grows at any
+    /// step unless dashpots take more than it gains.
+    ///
+    /// Give the bonds the damping ratio that is named, or take `bonds.form = "total"` or `"incremental-stored"`, or the
+    /// integrator `velocity-verlet`.
+    error GEAR_GROWTH = "tdem::case::gear-growth";
+
     /// `within` and `without` leave nothing of a group of particles.
     ///
     /// Move or enlarge the body, or the region that it is cut out of; the message tells where centres lie.
@@ -158,6 +165,13 @@ crate::codes! {
     ///
     /// Name a material that conducts, write `heat.contacts = "circle"` or `"bar"`, or remove the temperature.
     error IDLE_TEMPERATURE = "tdem::case::idle-temperature";
+
+    /// The hardest impact that the case allows would overlap by more than `contact.overlap_limit` of the smaller radius, where the
+    /// run stops.
+    ///
+    /// A stiffer material or a slower impact overlaps less. The speed is that of what falls freely or is driven; dashpots and
+    /// neighbours are not counted, so that the run may well go through.
+    warning IMPACT_DEEP = "tdem::case::impact-deep";
 
     /// The case cannot be read although every key and value looks right. This is rare.
     ///

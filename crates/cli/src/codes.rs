@@ -304,7 +304,8 @@ tdem_case::codes! {
     /// particles into each other.
     error NOT_FINITE = "tdem::run::not-finite";
 
-    /// Two particles overlap by more than `contact.overlap_limit` of their mean radius, beyond what the law of contact is for.
+    /// Two particles overlap by more than `contact.overlap_limit` of the smaller radius, or a particle and a wall by more than
+    /// that of the particle's, beyond what the law of contact is for.
     ///
     /// Most often the time step is too large (`tdem check` shows the limits), a load is too large for particles this soft, or
     /// something was prescribed that pushes particles into each other.

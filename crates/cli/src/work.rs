@@ -200,7 +200,7 @@ pub(crate) fn fault_report(error: RunError, dt: f64) -> Reports {
 /// What most often is behind a fault.
 fn cause(fault: &Fault, dt: f64) -> String {
     match fault {
-        Fault::NotFinite { .. } | Fault::Escaped { .. } | Fault::Overlap { .. } => format!(
+        Fault::NotFinite { .. } | Fault::Escaped { .. } | Fault::Overlap { .. } | Fault::WallOverlap { .. } => format!(
             "most often the time step is too large (it is {} s; `tdem check` shows the limits), or something was \
              prescribed that pushes particles into each other or through walls\n",
             short(dt)
@@ -247,7 +247,7 @@ fn fault_code(fault: &Fault) -> Code {
         Fault::Escaped { .. } => codes::ESCAPED,
         Fault::Temperature { .. } => codes::TEMPERATURE,
         Fault::Conduction { .. } => codes::CONDUCTION,
-        Fault::Overlap { .. } => codes::OVERLAP,
+        Fault::Overlap { .. } | Fault::WallOverlap { .. } => codes::OVERLAP,
         Fault::ListOverflow { .. } => codes::LIST_OVERFLOW,
         Fault::BoxTooSmall { .. } => codes::BOX_TOO_SMALL,
         Fault::Threads { .. } => codes::RUN_THREADS,

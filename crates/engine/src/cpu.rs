@@ -162,8 +162,8 @@ impl Stages for Cpu {
     fn contact(&mut self) -> Result<(), Fault> {
         self.contact_all()
     }
-    fn gather(&mut self) {
-        self.gather_all();
+    fn gather(&mut self) -> Result<(), Fault> {
+        self.gather_all()
     }
     fn boundary(&mut self) {
         self.boundary_all();
@@ -191,7 +191,7 @@ impl Backend for Cpu {
             self.history_step = 0.0;
             self.bond_all();
             self.contact_all()?;
-            self.gather_all();
+            self.gather_all()?;
             self.boundary_all();
             self.conduct_all();
             self.history_step = self.plan.dt;

@@ -1,6 +1,6 @@
 //! The contacts and bonds of a state, evaluated once more: for the ledger and for whoever shows forces.
 
-use crate::plan::prescribe;
+use crate::plan::{overlap_ratio, prescribe};
 use crate::{BondHistory, Contact, Plan, State, WallContact};
 use tdem_physics::bond::{self, Advance, Bond, Ends, Form, History, Posture, Reaction, Rest};
 use tdem_physics::contact::{Encounter, Interaction, Sphere, Touch, respond, stored_energy, touch_spheres, touch_wall};
@@ -13,6 +13,8 @@ use tdem_physics::{Vec3, vec3};
 pub struct Evaluated<'a> {
     /// The first body.
     pub first: Sphere<f64>,
+    /// Radius of the second, m; infinite for a wall.
+    pub second_radius: f64,
     /// From its centre to the nearest image of the second, or to the wall.
     pub touch: Touch<f64>,
     /// What the law is told.
@@ -27,6 +29,11 @@ pub struct Evaluated<'a> {
 }
 
 impl Evaluated<'_> {
+    /// Overlap as a fraction of the smaller radius.
+    #[must_use]
+    pub fn overlap_ratio(&self) -> f64 {
+        overlap_ratio(self.touch.overlap, self.first.radius, self.second_radius)
+    }
     /// Whether the bodies still touch.
     #[must_use]
     pub fn touches(&self) -> bool {
@@ -106,7 +113,7 @@ impl State {
         let touch = self.touch(plan, i, j);
         let encounter = Encounter::of_spheres(&first, &second, &touch, plan.law.moments, felt.lead);
         let interaction = plan.interaction(self.material[i], self.material[j]);
-        Some(evaluated(plan, first, touch, encounter, interaction, contact.displacement))
+        Some(evaluated(plan, (first, second.radius), touch, encounter, interaction, contact.displacement))
     }
 
     /// Evaluates a particle at a wall; `None` if there is no such particle or wall.
@@ -120,13 +127,7 @@ impl State {
         let touch = touch_wall(first.position, first.radius, point.into(), normal);
         let encounter = Encounter::with_wall(&first, &touch, normal, wall.velocity.into(), plan.law.moments, felt.lead);
         let interaction = plan.interaction(self.material[i], wall.material);
-        Some(evaluated(plan, first, touch, encounter, interaction, contact.displacement))
-    }
-
-    /// Overlap of a pair, as a fraction of its mean radius.
-    pub(crate) fn overlap_ratio(&self, plan: &Plan, contact: &Contact) -> Option<f64> {
-        let (i, j) = (self.index_of(contact.first)?, self.index_of(contact.second)?);
-        Some(2.0 * self.touch(plan, i, j).overlap / (self.radius[i] + self.radius[j]))
+        Some(evaluated(plan, (first, f64::INFINITY), touch, encounter, interaction, contact.displacement))
     }
 
     fn touch(&self, plan: &Plan, i: usize, j: usize) -> Touch<f64> {
@@ -206,7 +207,7 @@ impl<'a> Felt<'a> {
 
 fn evaluated<'a>(
     plan: &Plan,
-    first: Sphere<f64>,
+    (first, second_radius): (Sphere<f64>, f64),
     touch: Touch<f64>,
     encounter: Encounter<f64>,
     interaction: &'a Interaction<f64>,
@@ -219,7 +220,7 @@ fn evaluated<'a>(
     } else {
         Vec3::zero()
     };
-    Evaluated { first, touch, encounter, interaction, displacement, force }
+    Evaluated { first, second_radius, touch, encounter, interaction, displacement, force }
 }
 
 /// An orientation as the law has it.

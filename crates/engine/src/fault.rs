@@ -56,9 +56,9 @@ pub enum Fault {
         /// Where it is, m.
         position: [f64; 3],
     },
-    /// Two particles overlap more than the law can answer for.
+    /// Two particles overlap by more than the limit.
     #[error(
-        "particles {first} and {second} overlap by {ratio:.3} of their mean radius at step {step} (t = {time:.6e} s); \
+        "particles {first} and {second} overlap by {ratio:.3} of the smaller radius at step {step} (t = {time:.6e} s); \
          the limit is {limit}"
     )]
     Overlap {
@@ -70,7 +70,26 @@ pub enum Fault {
         first: u32,
         /// The higher id.
         second: u32,
-        /// Overlap over mean radius.
+        /// Overlap over the smaller radius.
+        ratio: f64,
+        /// The limit it exceeds.
+        limit: f64,
+    },
+    /// A particle and a wall overlap by more than the limit.
+    #[error(
+        "particle {particle} and wall {wall:?} overlap by {ratio:.3} of the particle's radius at step {step} \
+         (t = {time:.6e} s); the limit is {limit}"
+    )]
+    WallOverlap {
+        /// Step that found it.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// Persistent id.
+        particle: u32,
+        /// Name of the wall.
+        wall: String,
+        /// Overlap over the radius.
         ratio: f64,
         /// The limit it exceeds.
         limit: f64,
@@ -118,7 +137,8 @@ impl Fault {
             | Fault::Temperature { step, time, .. }
             | Fault::Conduction { step, time, .. }
             | Fault::Escaped { step, time, .. }
-            | Fault::Overlap { step, time, .. } => (*step, *time) = (now, clock),
+            | Fault::Overlap { step, time, .. }
+            | Fault::WallOverlap { step, time, .. } => (*step, *time) = (now, clock),
             Fault::ListOverflow { step, .. } => *step = now,
             Fault::BoxTooSmall { .. } | Fault::Threads { .. } | Fault::Inconsistent { .. } | Fault::Device(_) => {}
         }

@@ -48,7 +48,7 @@ pub struct Ledger {
     pub broken_bonds: u64,
     /// Largest speed, m/s.
     pub largest_speed: f64,
-    /// Largest overlap of a pair, as a fraction of its mean radius.
+    /// Largest overlap of a pair as a fraction of its smaller radius, or at a wall as a fraction of the radius.
     pub largest_overlap: f64,
     /// Mean size of the resultant force on a particle over mean size of a force of contacts and bonds; 0 without any.
     /// Components that are prescribed do not count: something holds them.
@@ -111,8 +111,8 @@ impl Ledger {
             });
         let ([pair_normal, pair_tangential, pair_force], largest_overlap) =
             tally(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k]));
-        let [wall_normal, wall_tangential, wall_size, fx, fy, fz] =
-            sum(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
+        let ([wall_normal, wall_tangential, wall_size, fx, fy, fz], largest_wall_overlap) =
+            tally(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
         let [friction, damping, stiffening, external] = sum(state.accounts.len(), |i| state.accounts[i]);
 
         let [expansion] = sum(state.heat_accounts.len(), |i| [state.heat_accounts[i][heat_accounts::EXPANSION]]);
@@ -138,7 +138,7 @@ impl Ledger {
             bonds: holding as u64,
             broken_bonds: (state.bonds.len() - holding) as u64,
             largest_speed,
-            largest_overlap,
+            largest_overlap: largest_overlap.max(largest_wall_overlap),
             unbalanced_force_ratio: imbalance.ratio(0.0),
             heat: HeatLedger::of(state, plan),
             wall_force: [fx, fy, fz],
@@ -226,11 +226,11 @@ fn resultant_of(state: &State, plan: &Plan, particle: usize) -> f64 {
     unbalanced.dot(unbalanced).sqrt()
 }
 
-/// Normal and tangential energy and size of the force of a pair, and its overlap as a fraction of its mean radius.
+/// Normal and tangential energy and size of the force of a pair, and its overlap as a fraction of the smaller radius.
 fn of_pair(state: &State, plan: &Plan, contact: &Contact) -> ([f64; 3], f64) {
     state.evaluate(plan, contact).map_or(([0.0; 3], 0.0), |found| {
         let [normal, tangential] = found.stored_energy();
-        ([normal, tangential, found.force.dot(found.force).sqrt()], state.overlap_ratio(plan, contact).unwrap_or(0.0))
+        ([normal, tangential, found.force.dot(found.force).sqrt()], found.overlap_ratio())
     })
 }
 
@@ -246,10 +246,10 @@ fn of_bond(state: &State, plan: &Plan, bond: usize) -> [f64; 4] {
     }
 }
 
-/// Energies and size of the force of a particle at a wall, and the force on the wall.
-fn at_wall(state: &State, plan: &Plan, contact: &WallContact) -> [f64; 6] {
-    state.evaluate_at_wall(plan, contact).map_or([0.0; 6], |found| {
+/// Energies and size of the force of a particle at a wall, the force on the wall, and the overlap as a fraction of the radius.
+fn at_wall(state: &State, plan: &Plan, contact: &WallContact) -> ([f64; 6], f64) {
+    state.evaluate_at_wall(plan, contact).map_or(([0.0; 6], 0.0), |found| {
         let ([normal, tangential], force) = (found.stored_energy(), found.force);
-        [normal, tangential, force.dot(force).sqrt(), -force.x, -force.y, -force.z]
+        ([normal, tangential, force.dot(force).sqrt(), -force.x, -force.y, -force.z], found.overlap_ratio())
     })
 }

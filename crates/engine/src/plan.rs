@@ -37,7 +37,7 @@ pub struct Plan {
     pub domain: Domain,
     /// How neighbours are found.
     pub search: Search,
-    /// Largest overlap, as a fraction of the mean radius of the pair; a larger one is a fault.
+    /// Largest overlap, as a fraction of the smaller radius of a pair, or of the radius at a wall; a larger one is a fault.
     pub overlap_limit: f64,
     /// Whether dissipated energy is accounted for, step by step.
     pub ledger: bool,
@@ -103,6 +103,12 @@ pub enum Integrator {
     VelocityVerlet,
     /// Gear's fifth-order predictor-corrector, angular velocity by Euler's rule (the paper's).
     Gear,
+}
+
+/// Overlap of two spheres, or of a sphere and a wall (of infinite radius), as a fraction of the smaller radius: 2 where the
+/// smaller sphere is all inside the larger body.
+pub(crate) fn overlap_ratio(overlap: f64, first_radius: f64, second_radius: f64) -> f64 {
+    overlap / first_radius.min(second_radius)
 }
 
 /// A plane wall, infinite, moving in a straight line.

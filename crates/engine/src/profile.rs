@@ -102,8 +102,8 @@ impl Stages for Timed<'_> {
     fn contact(&mut self) -> Result<(), Fault> {
         self.time(3, |stages| stages.contact())
     }
-    fn gather(&mut self) {
-        self.time(4, |stages| stages.gather());
+    fn gather(&mut self) -> Result<(), Fault> {
+        self.time(4, |stages| stages.gather())
     }
     fn boundary(&mut self) {
         self.time(5, |stages| stages.boundary());

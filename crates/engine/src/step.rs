@@ -15,7 +15,7 @@ pub(crate) trait Stages {
     /// Forces and moments of touching pairs; a bond that broke just now no longer keeps contact off.
     fn contact(&mut self) -> Result<(), Fault>;
     /// Adds to each particle what others keep for it, then walls, then the sum of its bonds.
-    fn gather(&mut self);
+    fn gather(&mut self) -> Result<(), Fault>;
     /// Gravity, applied forces, local damping, and the work of applied forces and of prescribed motion; heat rates.
     fn boundary(&mut self);
     /// Corrects velocities by the forces of the end of the step.
@@ -28,7 +28,7 @@ pub(crate) fn step(stages: &mut dyn Stages) -> Result<(), Fault> {
     stages.search()?;
     stages.bond();
     stages.contact()?;
-    stages.gather();
+    stages.gather()?;
     stages.boundary();
     stages.correct();
     Ok(())

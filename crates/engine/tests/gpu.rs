@@ -9,6 +9,7 @@ use common::heated::{
     EXPANSION, NONE, REFERENCE, constant, frozen, heat_of, heated, heated_block, held_chain, in_turns, keep_books,
     still_lattice, temper, warm_block, warm_cloud,
 };
+use common::overlap;
 use common::{DENSITY, random, scene, spheres};
 use tdem_engine::cpu::Options;
 use tdem_engine::gpu::Api;
@@ -663,6 +664,13 @@ fn faults_are_those_of_the_cpu() {
     for (ledger, limit) in [(true, 1e-4), (false, 1e-4), (false, 4e-3)] {
         let strict = Plan { overlap_limit: limit, ledger, ..plan.clone() };
         assert!(matches!(faults(&state, &strict), Fault::Overlap { .. }));
+    }
+    // Walls guard, too, and the smaller of two spheres sets the limit.
+    for (ledger, law) in [(true, Law::GNTM), (false, Law::GNT), (false, Law::GN)] {
+        let (state, plan) = overlap::soft_sphere_at_a_wall(law, ledger);
+        assert!(matches!(faults(&state, &plan), Fault::WallOverlap { particle: 1, .. }));
+        let (state, plan) = overlap::small_sphere_in_a_large_one(law, ledger);
+        assert!(matches!(faults(&state, &plan), Fault::Overlap { first: 0, second: 1, .. }));
     }
     let mut tight = plan.clone();
     tight.search.skin = 0.1;

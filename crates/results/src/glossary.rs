@@ -350,7 +350,12 @@ pub(crate) static HISTORY: &[Quantity<OfRow>] = &[
     id("contacts", "number of touching pairs of particles", |r| count(r.ledger.contacts)),
     id("wall_contacts", "number of particles that touch walls, counted per wall", |r| count(r.ledger.wall_contacts)),
     real("largest_speed", "m/s", "largest speed of a particle", |r| one(r.ledger.largest_speed)),
-    real("largest_overlap", "1", "largest overlap of a pair over its mean radius", |r| one(r.ledger.largest_overlap)),
+    real(
+        "largest_overlap",
+        "1",
+        "largest overlap of a pair over its smaller radius, or at a wall over the radius",
+        |r| one(r.ledger.largest_overlap),
+    ),
     vector("wall_force", "N", "force of the particles on all walls together", |r| owned(r.ledger.wall_force.to_vec())),
 ];
 

@@ -18,7 +18,7 @@ pub(crate) use heat::{Conducting, Warming};
 pub use run::{NoRuns, RunLoader};
 
 use crate::codes;
-use crate::limits::{Fastest, Found, StepLimits};
+use crate::limits::{Fastest, Found, StepLimits, deep_impact, gear_growth};
 use crate::load::Loaded;
 use crate::materials::{Materials, law};
 use crate::problem::{Problem, Problems, number, unless_error};
@@ -167,6 +167,8 @@ impl Loaded {
         let fastest = Fastest { vibration: vibration.as_ref(), warming: warming.as_ref(), state: &draft.state };
         let limits = StepLimits::of(&context, &found, &meeting, &interactions, &fastest);
         problems.extend(limits.problems(self));
+        problems.extend(deep_impact(&context, &found, &meeting));
+        problems.extend(gear_growth(&context, limits.step, vibration.as_ref()));
         let mut plan = context.plan(&limits, constraints, interactions, found.smallest_radius());
         let bonds = bonded.as_ref().map_or(Vec::new(), |bonded| bonded.bonds(case, &draft.state));
         plan.bonds = bonded.map(|bonded| bonded.plan(case));

@@ -267,7 +267,7 @@ pub struct Contact {
     pub tangential_coefficient: TangentialCoefficient,
     /// Whether the dashpot is kept from pulling bodies together that separate.
     pub clamp: bool,
-    /// Overlap that stops the run, as a fraction of the mean radius of a pair.
+    /// Overlap that stops the run, as a fraction of the smaller radius of a pair, or of the radius at a wall.
     pub overlap_limit: Fraction,
 }
 

@@ -195,6 +195,7 @@ fn faults() -> Vec<Reports> {
         Fault::Conduction { step, time, iterations: 1000, error: 0.031 },
         Fault::Escaped { step, time, particle, position: [0.125, 0.5, -0.031_25] },
         Fault::Overlap { step, time, first: particle, second: 912, ratio: 0.512, limit: 0.5 },
+        Fault::WallOverlap { step, time, particle, wall: "floor".to_owned(), ratio: 0.512, limit: 0.5 },
         Fault::ListOverflow { step, entries: 4_400_000_000 },
         gpu::Error::Call { call: "cuLaunchKernel", message: "an illegal memory access was encountered".to_owned() }
             .into(),

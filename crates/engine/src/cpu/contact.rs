@@ -12,6 +12,7 @@ use super::neighbours::reaction_numbers;
 use super::pieces::{chunks_of, split};
 use super::{Cpu, Width};
 use crate::energy_accounts::{DAMPING, FRICTION, STIFFENING};
+use crate::plan::overlap_ratio;
 use crate::{Fault, HeatPlan};
 use eight::{rows_portable, rows_widest};
 use heat::Warm;
@@ -146,7 +147,7 @@ impl Cpu {
             period: Some(self.plan.domain.period()).filter(Period::any),
             step: self.history_step,
             lead,
-            overlap_limit: 0.5 * self.plan.overlap_limit,
+            overlap_limit: self.plan.overlap_limit,
             dissipation: self.plan.heat.as_ref().map(|heat| heat.dissipation).unwrap_or_default(),
             warm: Warm::of(&self.plan, temperature, &self.bonds),
         };
@@ -201,13 +202,13 @@ impl Cpu {
         let index = |rank: u32| self.bodies.rank.iter().position(|&r| r == rank).unwrap_or(0);
         let (a, b) = (self.bodies.place[index(first)], self.bodies.place[index(second)]);
         let offset = self.plan.domain.period().nearest(b.vector() - a.vector());
-        let radius_sum = a.scalar() + b.scalar();
+        let touch = touch_spheres(offset, a.scalar() + b.scalar());
         Fault::Overlap {
             step: self.step,
             time: self.time(),
             first: self.ids[first as usize],
             second: self.ids[second as usize],
-            ratio: 2.0 * touch_spheres(offset, radius_sum).overlap / radius_sum,
+            ratio: overlap_ratio(touch.overlap, a.scalar(), b.scalar()),
             limit: self.plan.overlap_limit,
         }
     }
@@ -360,7 +361,7 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 if let Some(pressure) = rows.pressure.get_mut(pair) {
                     *pressure = elastic_force(encounter.radius_eff, touch.overlap, scene.interaction(i, j));
                 }
-                if touch.overlap > scene.overlap_limit * (a.radius + b.radius) {
+                if touch.overlap > scene.overlap_limit * a.radius.min(b.radius) {
                     crushed = Some(worse(crushed, scene.ranks(i, j)));
                 }
             } else if rows.touching[pair] {

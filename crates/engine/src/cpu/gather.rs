@@ -7,8 +7,9 @@ use super::neighbours::{Neighbours, WallSlot, reaction_numbers};
 use super::pieces::{chunks_of, split};
 use super::wide::prefetch;
 use super::{CHUNK, Cpu};
-use crate::Plan;
 use crate::energy_accounts::{DAMPING, EXTERNAL, FRICTION, STIFFENING};
+use crate::plan::overlap_ratio;
+use crate::{Fault, Plan};
 use rayon::prelude::*;
 use std::hint::select_unpredictable;
 use tdem_physics::contact::encounter::lever_arm;
@@ -16,14 +17,14 @@ use tdem_physics::contact::{Encounter, Kick, released_energy, respond, touch_wal
 use tdem_physics::{Vec3, vec3};
 
 impl Cpu {
-    /// Forces and moments of all particles.
-    pub(super) fn gather_all(&mut self) {
+    /// Forces and moments of all particles; the fault of a particle that overlaps too much with a wall.
+    pub(super) fn gather_all(&mut self) -> Result<(), Fault> {
         let n = self.bodies.len();
         let wall_bounds: Vec<usize> = self.neighbours.wall_start.iter().map(|&s| s as usize).collect();
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
         let (list, bonds) = (&self.neighbours, &self.bonds);
         let lead = self.lead();
-        let Bodies { place, motion, spin, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
+        let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
         let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step, lead };
         let particles = chunks_of(n);
         let mut slots = split(&mut wall_slots, &wall_bounds);
@@ -36,7 +37,8 @@ impl Cpu {
                 (force, moment.next().unwrap_or_default(), accounts.next().unwrap_or_default(), slots)
             })
             .collect();
-        tasks.into_par_iter().enumerate().for_each(|(chunk, (force, moment, accounts, slots))| {
+        let through = tasks.into_par_iter().enumerate().filter_map(|(chunk, (force, moment, accounts, slots))| {
+            let mut through: Through = None;
             let mut slots = slots.iter_mut().peekable();
             for k in 0..force.len() {
                 let i = chunk * CHUNK + k;
@@ -47,7 +49,11 @@ impl Cpu {
                 while let Some(slot) = slots.next_if(|slot| slot.particle as usize == i) {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
                     let kick = [kick.get(i), twist.get(i)].map(|k| k.copied().unwrap_or_default().vector());
-                    walls.add(&sphere, kick, material[i], slot, accounts.get_mut(k), &mut sum);
+                    let overlap = walls.add(&sphere, kick, material[i], slot, accounts.get_mut(k), &mut sum);
+                    if overlap > self.plan.overlap_limit * sphere.radius {
+                        let found = (rank[i], slot.wall);
+                        through = Some(through.map_or(found, |known| known.min(found)));
+                    }
                 }
                 add_bonds(bonds, i, &mut sum);
                 force[k].set_vector(sum.force);
@@ -55,10 +61,35 @@ impl Cpu {
                     moment.set_vector(sum.moment);
                 }
             }
+            through
         });
+        let through = through.min();
         self.neighbours.wall_slots = wall_slots;
+        match through {
+            None => Ok(()),
+            Some((particle, wall)) => Err(self.through_wall(particle, wall)),
+        }
+    }
+
+    /// The fault of a particle that overlaps too much with a wall.
+    fn through_wall(&self, rank: u32, wall: u32) -> Fault {
+        let index = self.bodies.rank.iter().position(|&r| r == rank).unwrap_or(0);
+        let (place, index) = (self.bodies.place[index], wall as usize);
+        let plane = &self.plan.walls[index];
+        let touch = touch_wall(place.vector(), place.scalar(), self.wall_position[index].into(), plane.normal.into());
+        Fault::WallOverlap {
+            step: self.step,
+            time: self.time(),
+            particle: self.ids[rank as usize],
+            wall: plane.name.clone(),
+            ratio: overlap_ratio(touch.overlap, place.scalar(), f64::INFINITY),
+            limit: self.plan.overlap_limit,
+        }
     }
 }
+
+/// The lowest rank that overlaps too much with a wall, and the first such wall, if any.
+type Through = Option<(u32, u32)>;
 
 /// Particles ahead whose incoming records are asked for.
 const AHEAD: usize = 6;
@@ -142,7 +173,7 @@ struct Walls<'a> {
 }
 
 impl Walls<'_> {
-    /// Adds the contact of a particle with a wall, if they touch.
+    /// Adds the contact of a particle with a wall, if they touch; returns their overlap, m.
     fn add(
         &self,
         sphere: &tdem_physics::contact::Sphere<f64>,
@@ -151,7 +182,7 @@ impl Walls<'_> {
         slot: &mut WallSlot,
         account: Option<&mut [f64; 4]>,
         sum: &mut Sum,
-    ) {
+    ) -> f64 {
         let wall = &self.plan.walls[slot.wall as usize];
         let (law, step) = (self.plan.law, self.step);
         let (normal, velocity): (Vec3<f64>, Vec3<f64>) = (wall.normal.into(), wall.velocity.into());
@@ -168,7 +199,7 @@ impl Walls<'_> {
                 slot.displacement = [0.0; 3];
                 slot.touching = false;
             }
-            return;
+            return touch.overlap;
         }
         let arm = lever_arm(sphere.radius, touch.overlap);
         let encounter = encounter.settled([Kick { velocity: kick, rolling: twist * arm }, Kick::none()]);
@@ -188,5 +219,6 @@ impl Walls<'_> {
                 slot.made = heat.dissipation.heat(response.losses.friction, response.losses.damping);
             }
         }
+        touch.overlap
     }
 }

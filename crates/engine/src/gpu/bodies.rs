@@ -251,7 +251,7 @@ pub(super) fn step_record(plan: &Plan, state: &State) -> Step {
         half_skin_squared: if plan.search.every_step { f64::INFINITY } else { half_skin * half_skin },
         ticks_per_metre: ticks.per_metre,
         noted_way_squared: if plan.ledger { half_skin * half_skin } else { f64::INFINITY },
-        overlap_limit: 0.5 * plan.overlap_limit,
+        overlap_limit: plan.overlap_limit,
         gravity: Vector(plan.gravity),
         domain_min: Vector(plan.domain.min),
         domain_max: Vector(plan.domain.max),

@@ -6,7 +6,8 @@ use super::search::SLICE;
 use super::snapshot::Temperatures;
 use crate::Fault;
 use crate::cpu::Quad;
-use tdem_physics::contact::touch_spheres;
+use crate::plan::overlap_ratio;
+use tdem_physics::contact::{touch_spheres, touch_wall};
 
 /// The bit of a slot that says its pair touched, as in `kernels/particle.cl`.
 const TOUCHING: u32 = 1 << 31;
@@ -54,7 +55,7 @@ impl<R: Runtime> Gpu<R> {
         })
     }
 
-    /// The fault of two particles that overlap too much, the lowest ranks of all, in the last of `done` steps, which read
+    /// The fault of two particles that overlap too much, or else of a particle and a wall, the lowest ranks of all, in the last of `done` steps, which read
     /// the given half.
     pub(super) fn crushed(&self, half: usize, done: u64) -> Result<Fault, Error> {
         let n = self.particles;
@@ -64,7 +65,11 @@ impl<R: Runtime> Gpu<R> {
         let other = self.queue.read(&self.rows.other, slots)?;
         let period = self.plan.domain.period();
         let place = self.queue.read(&self.halves[half].place, n)?;
+        let positions = self.queue.read(&self.halves[half].wall_place, self.plan.walls.len())?;
+        let (step, limit) = (self.step + done, self.plan.overlap_limit);
+        let time = self.plan.time(step);
         let mut worst: Option<((u32, u32), f64)> = None;
+        let mut through: Option<((u32, usize), f64)> = None;
         for i in 0..n {
             for k in slice[i / SLICE]..slice[i / SLICE + 1] {
                 let entry = other[k as usize * SLICE + i % SLICE];
@@ -72,23 +77,33 @@ impl<R: Runtime> Gpu<R> {
                     continue;
                 }
                 let j = (entry & !TOUCHING) as usize;
+                let radius = place[i].scalar();
                 if j >= n {
-                    break;
+                    let Some(wall) = self.plan.walls.get(j - n) else { break };
+                    let touch = touch_wall(place[i].vector(), radius, positions[j - n].vector(), wall.normal.into());
+                    let found = (rank[i], j - n);
+                    if touch.overlap > limit * radius && through.is_none_or(|(known, _)| found < known) {
+                        through = Some((found, overlap_ratio(touch.overlap, radius, f64::INFINITY)));
+                    }
+                    continue;
                 }
-                let radius_sum = place[i].scalar() + place[j].scalar();
+                let other_radius = place[j].scalar();
                 let offset = period.nearest(place[j].vector() - place[i].vector());
-                let overlap = touch_spheres(offset, radius_sum).overlap;
+                let overlap = touch_spheres(offset, radius + other_radius).overlap;
                 let pair = (rank[i].min(rank[j]), rank[i].max(rank[j]));
-                let too_much = overlap > 0.5 * self.plan.overlap_limit * radius_sum;
+                let too_much = overlap > limit * radius.min(other_radius);
                 if too_much && worst.is_none_or(|(known, _)| pair < known) {
-                    worst = Some((pair, 2.0 * overlap / radius_sum));
+                    worst = Some((pair, overlap_ratio(overlap, radius, other_radius)));
                 }
             }
         }
         if let Some(((first, second), ratio)) = worst {
-            let (step, [first, second]) = (self.step + done, [first, second].map(|rank| self.ids[rank as usize]));
-            let (time, limit) = (self.plan.time(step), self.plan.overlap_limit);
+            let [first, second] = [first, second].map(|rank| self.ids[rank as usize]);
             return Ok(Fault::Overlap { step, time, first, second, ratio, limit });
+        }
+        if let Some(((particle, wall), ratio)) = through {
+            let (particle, wall) = (self.ids[particle as usize], self.plan.walls[wall].name.clone());
+            return Ok(Fault::WallOverlap { step, time, particle, wall, ratio, limit });
         }
         Ok(Fault::Inconsistent { what: "the device found an overlap that the host does not find" })
     }

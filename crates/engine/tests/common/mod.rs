@@ -3,6 +3,7 @@
 
 pub(crate) mod bonded;
 pub(crate) mod heated;
+pub(crate) mod overlap;
 
 use tdem_engine::physics::contact::{Damping, Interaction, Law, damping::restitution_factor};
 use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_eff};

@@ -105,7 +105,7 @@ const MOTION: &[Plan] = &[
     Plan {
         title: "Largest overlap",
         measure: "overlap over radius",
-        columns: &[("largest_overlap", "of a pair, over its mean radius")],
+        columns: &[("largest_overlap", "over the smaller radius, walls included")],
         logarithmic: false,
     },
     Plan {

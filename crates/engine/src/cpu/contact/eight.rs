@@ -66,7 +66,7 @@ fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> C
         ask_ahead::<V>(scene, rows.other, base + AHEAD);
         let (touch, radii) = law.touch(scene, &group);
         let touches = free & R::bits(touch.overlap.gt(R::lit(0.0)));
-        let crushes = free & R::bits(touch.overlap.gt(law.overlap_limit * (radii[0] + radii[1])));
+        let crushes = free & R::bits(touch.overlap.gt(law.overlap_limit * radii[0].min(radii[1])));
         if crushes != 0 {
             for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
                 crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
