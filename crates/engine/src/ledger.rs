@@ -194,7 +194,7 @@ impl Imbalance {
     pub(crate) fn of(state: &State, plan: &Plan) -> Self {
         let [resultant] = sum(state.len(), |i| [resultant_of(state, plan, i)]);
         let [pair] = sum(state.contacts.len(), |k| [of_pair(state, plan, &state.contacts[k]).0[2]]);
-        let [wall] = sum(state.wall_contacts.len(), |k| [at_wall(state, plan, &state.wall_contacts[k])[2]]);
+        let [wall] = sum(state.wall_contacts.len(), |k| [at_wall(state, plan, &state.wall_contacts[k]).0[2]]);
         let [bond, holding] = sum(state.bonds.len(), |k| {
             let [_, force, holds, _] = of_bond(state, plan, k);
             [force, holds]
