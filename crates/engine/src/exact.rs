@@ -20,8 +20,6 @@ const SIDE: usize = 8;
 /// Parts of a term in a pass, each of so many bits.
 const PARTS: usize = 3;
 const PART_BITS: u64 = 41;
-/// Passes over a chunk before the rest is added term by term: each covers 70 binary orders of magnitude below the largest.
-const PASSES: usize = 4;
 /// Fewer terms are added one by one.
 const FEW: usize = 48;
 
@@ -86,12 +84,7 @@ impl ExactSum {
 
     /// Adds many terms, with the widest instructions of this machine.
     pub fn add_all(&mut self, terms: &[f64]) {
-        let mut room = [0.0; CHUNK];
-        for chunk in terms.chunks(CHUNK) {
-            let room = &mut room[..chunk.len()];
-            room.copy_from_slice(chunk);
-            self.add_chunk(room, Width::Widest);
-        }
+        terms.chunks(CHUNK).for_each(|chunk| self.add_chunk(chunk, Width::Widest));
     }
 
     /// Adds what another sum holds.
@@ -158,64 +151,58 @@ impl ExactSum {
         self.borne = 1;
     }
 
-    /// Adds at most [`CHUNK`] terms, of which nothing is left.
+    /// Adds at most [`CHUNK`] terms.
     ///
     /// # Numerics
     /// Parts of the terms that are multiples of one unit are added as reals, without rounding, so that their order does not
     /// matter: with $|x| < 2^{e + 1}$ and $\sigma = 2^{e + 13}$ the part $(\sigma + x) - \sigma$ is a multiple of
     /// $2^{e - 40}$, 1024 of them are less than $2^{e + 11}$, and what is left of a term is at most $2^{e - 40}$. Three such
     /// parts, each [`PART_BITS`] lower than the one before, take up all bits of terms that are not smaller than
-    /// $2^{e - 70}$. What is left after some passes goes the slow way, digit by digit; so does what is near either end of
-    /// the range of `f64`.
-    fn add_chunk(&mut self, terms: &mut [f64], width: Width) {
+    /// $2^{e - 70}$. Where more is left, or terms are near either end of the range of `f64`, all of them go into digits.
+    fn add_chunk(&mut self, terms: &[f64], width: Width) {
         debug_assert!(terms.len() <= CHUNK, "more would round");
-        let mut passes = if terms.len() < FEW || width == Width::One { 0 } else { PASSES };
-        while passes > 0 {
-            passes -= 1;
-            let pass = Pass { terms };
-            let Some((sums, left)) = (match width {
-                Width::One | Width::Portable => run_portable(pass),
-                Width::Widest => run_widest(pass),
-            }) else {
-                break;
-            };
-            sums.into_iter().flatten().for_each(|sum| self.add(sum));
-            if !left {
-                return;
-            }
+        let (eights, rest) = terms.as_chunks();
+        let pass = Pass { eights };
+        let found = match width {
+            _ if terms.len() < FEW => None,
+            Width::One => None,
+            Width::Portable => run_portable(pass),
+            Width::Widest => run_widest(pass),
+        };
+        match found {
+            Some(sums) => sums.into_iter().flatten().chain(rest.iter().copied()).for_each(|sum| self.add(sum)),
+            None => terms.iter().filter(|&&term| term != 0.0).for_each(|&term| self.add(term)),
         }
-        terms.iter().filter(|&&term| term != 0.0).for_each(|&term| self.add(term));
     }
 }
 
 /// Takes three parts out of each term, from the magnitude of the largest one down.
 struct Pass<'a> {
-    terms: &'a mut [f64],
+    eights: &'a [[f64; SIDE]],
 }
 
 impl Loop for Pass<'_> {
-    /// Sums of the parts, exactly, and whether anything is left of the terms; `None` if they are too large or too small.
-    type Found = Option<([[f64; SIDE]; PARTS], bool)>;
+    /// Sums of the parts, exactly; `None` if anything is left of a term, or terms are too large or too small.
+    type Found = Option<[[f64; SIDE]; PARTS]>;
     #[inline(always)]
     fn run<R: Eight>(self) -> Self::Found {
         let mut largest = [0.0; SIDE];
-        let (eights, rest) = self.terms.as_chunks_mut::<SIDE>();
-        for eight in &*eights {
+        for eight in self.eights {
             for k in 0..SIDE {
-                // Passes over NaN, which is a part that it makes NaN.
+                // Passes over NaN, of which NaN is left.
                 let size = eight[k].abs();
                 largest[k] = if size > largest[k] { size } else { largest[k] };
             }
         }
-        let largest = largest.into_iter().chain(rest.iter().map(|term| term.abs())).fold(0.0, f64::max);
-        let exponent = largest.to_bits() >> 52;
+        let exponent = largest.into_iter().fold(0.0, f64::max).to_bits() >> 52;
         // The largest unit is a number, and the smallest part is not subnormal.
         if exponent + 13 >= 0x7ff || exponent < PARTS as u64 * PART_BITS + 64 {
             return None;
         }
         let unit: [f64; PARTS] = std::array::from_fn(|p| f64::from_bits((exponent + 13 - PART_BITS * p as u64) << 52));
         let (mut sum, mut left) = ([[0.0; SIDE]; PARTS], [0; SIDE]);
-        let mut take = |eight: &mut [f64; SIDE]| {
+        for eight in self.eights {
+            let mut eight = *eight;
             for p in 0..PARTS {
                 for k in 0..SIDE {
                     let part = (unit[p] + eight[k]) - unit[p];
@@ -226,13 +213,8 @@ impl Loop for Pass<'_> {
             for k in 0..SIDE {
                 left[k] |= eight[k].to_bits() << 1;
             }
-        };
-        eights.iter_mut().for_each(&mut take);
-        let mut last = [0.0; SIDE];
-        last[..rest.len()].copy_from_slice(rest);
-        take(&mut last);
-        rest.copy_from_slice(&last[..rest.len()]);
-        Some((sum, left.into_iter().any(|left| left != 0)))
+        }
+        left.into_iter().all(|left| left == 0).then_some(sum)
     }
 }
 
@@ -264,7 +246,7 @@ pub(crate) fn tally<const K: usize>(
             }
         }
         for (sum, room) in partial.sums.iter_mut().zip(&mut partial.room) {
-            sum.add_chunk(&mut room[..terms], Width::Widest);
+            sum.add_chunk(&room[..terms], Width::Widest);
         }
         partial
     };

@@ -73,20 +73,18 @@ impl Ledger {
     pub fn of(state: &State, plan: &Plan) -> Ledger {
         let gravity: Vec3<f64> = plan.gravity.into();
         let length = plan.domain.length();
-        let (of_particles, largest_speed) =
-            tally(state.len(), |i| {
-                let (velocity, spin): (Vec3<f64>, Vec3<f64>) =
-                    (state.velocity[i].into(), state.angular_velocity[i].into());
-                let mass = state.mass[i];
-                let unfolded = state.true_position(i, length);
-                let terms = [
-                    0.5 * mass * velocity.dot(velocity),
-                    0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
-                    -(mass * gravity.dot(unfolded.into())),
-                    resultant_of(state, plan, i),
-                ];
-                (terms, velocity.dot(velocity).sqrt())
-            });
+        let (of_particles, largest_speed) = tally(state.len(), |i| {
+            let (velocity, spin): (Vec3<f64>, Vec3<f64>) = (state.velocity[i].into(), state.angular_velocity[i].into());
+            let mass = state.mass[i];
+            let unfolded = state.true_position(i, length);
+            let terms = [
+                0.5 * mass * velocity.dot(velocity),
+                0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
+                -(mass * gravity.dot(unfolded.into())),
+                resultant_of(state, plan, i),
+            ];
+            (terms, velocity.dot(velocity).sqrt())
+        });
         let [kinetic_translation, kinetic_rotation, gravitational, resultant] = of_particles.map(|sum| sum.value());
         let ([pair_normal, pair_tangential, pair_force], largest_overlap) =
             tally(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k]));
@@ -94,10 +92,8 @@ impl Ledger {
             accumulate(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
         let [friction, damping, stiffening, external] = exact_sums(state.accounts.len(), |i| state.accounts[i]);
 
-        let [expansion] =
-            exact_sums(state.heat_accounts.len(), |i| [state.heat_accounts[i][heat_accounts::EXPANSION]]);
-        let [elastic_bonds, bond_force, bonds, released] =
-            accumulate(state.bonds.len(), |k| of_bond(state, plan, k));
+        let [expansion] = exact_sums(state.heat_accounts.len(), |i| [state.heat_accounts[i][heat_accounts::EXPANSION]]);
+        let [elastic_bonds, bond_force, bonds, released] = accumulate(state.bonds.len(), |k| of_bond(state, plan, k));
         let (holding, released) = (bonds.value() as usize, released.value());
         let imbalance = Imbalance::mean(state, resultant, &[pair_force, wall_size, bond_force], holding);
         let mut ledger = Ledger {
@@ -192,10 +188,7 @@ impl Imbalance {
     /// From sums, and the number of bonds that hold.
     fn mean(state: &State, resultant: f64, forces: &[ExactSum; 3], holding: usize) -> Self {
         let contacts = state.contacts.len() + state.wall_contacts.len() + holding;
-        Imbalance {
-            resultant: resultant / state.len().max(1) as f64,
-            force: together(forces) / contacts.max(1) as f64,
-        }
+        Imbalance { resultant: resultant / state.len().max(1) as f64, force: together(forces) / contacts.max(1) as f64 }
     }
     /// Mean resultant over mean force, or over a force that counts as small if that is more; 0 without forces.
     pub(crate) fn ratio(&self, small: f64) -> f64 {

@@ -103,7 +103,9 @@ fn hard_sum(random: &mut Random, kind: usize) -> Vec<f64> {
             let mut terms = vec![power(place), odd * power(place - 52), power(place - 53)];
             terms.push([0.0, 1.0, -1.0][random.below(3)] * power(1 + random.below(place as usize - 60) as u64));
             let sign = [1.0, -1.0][random.below(2)];
-            terms.iter_mut().for_each(|term| *term *= sign);
+            for term in &mut terms {
+                *term *= sign;
+            }
             for _ in 0..random.below(100) {
                 let filler = random.real(1..2000);
                 terms.extend([filler, -filler]);
@@ -123,7 +125,7 @@ fn hard_sum(random: &mut Random, kind: usize) -> Vec<f64> {
 
 fn by_chunks(terms: &[f64], width: Width) -> f64 {
     let mut sum = ExactSum::default();
-    terms.chunks(CHUNK).for_each(|chunk| sum.add_chunk(&mut chunk.to_vec(), width));
+    terms.chunks(CHUNK).for_each(|chunk| sum.add_chunk(chunk, width));
     sum.value()
 }
 

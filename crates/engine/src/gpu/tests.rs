@@ -4,9 +4,9 @@
 use super::cuda::Cuda;
 use super::devices::{Api, open_opencl, survey};
 use super::kernel_cache::KernelCache;
+use super::network::{SUM_WORDS, copies_of_sums};
 use super::opencl::OpenCl;
 use super::runtime::{Argument, Error, Fetch, Runtime, Span};
-use super::network::{copies_of_sums, SUM_WORDS};
 use super::self_test::{SOURCE, agrees, check_contraction};
 use crate::ExactSum;
 use crate::exact::tests::{Random, assert_rounded_once, hard_sums};
@@ -156,12 +156,16 @@ fn sums_of_groups(runtime: &impl Runtime, lists: &[Vec<f64>]) -> Vec<f64> {
 fn hard_sums_are_rational_sums_rounded_once_in_any_order(runtime: &impl Runtime) {
     let mut random = Random::new(4);
     let mut lists = hard_sums(20_000);
-    lists.iter_mut().for_each(|terms| terms.truncate(1024));
+    for terms in &mut lists {
+        terms.truncate(1024);
+    }
     let first = sums_of_groups(runtime, &lists);
     for (k, (&value, terms)) in first.iter().zip(&lists).enumerate() {
         assert_rounded_once(value, terms, &format!("sum {k}"));
     }
-    lists.iter_mut().for_each(|terms| random.shuffle(terms));
+    for terms in &mut lists {
+        random.shuffle(terms);
+    }
     let second = sums_of_groups(runtime, &lists);
     assert!(first.iter().zip(&second).all(|(first, second)| first.to_bits() == second.to_bits()));
 }

@@ -66,8 +66,9 @@ impl Network {
         let mut way = each(n, |i| residual[i] / matrix.diagonal[i]);
         let mut product = vec![0.0; n];
         // The square of the preconditioned residual, and of the temperatures that it stands for, by capacities.
-        let squares =
-            |residual: &[f64]| exact_sums(n, |i| residual_squares(residual[i], matrix.diagonal[i], self.capacity[i], step));
+        let squares = |residual: &[f64]| {
+            exact_sums(n, |i| residual_squares(residual[i], matrix.diagonal[i], self.capacity[i], step))
+        };
         let [content, capacity] = exact_sums(n, |i| [square(self.capacity[i], temperature[i]), self.capacity[i]]);
         let [mut missing, mut error] = squares(&residual);
         let mut iterations = 0;

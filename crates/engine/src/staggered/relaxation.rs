@@ -1,8 +1,8 @@
 //! The motion's turn: particles move, while no heat flows, until they are at rest.
 
 use super::Staggered;
-use crate::heat_accounts::EXPANSION;
 use crate::exact::exact_sums;
+use crate::heat_accounts::EXPANSION;
 use crate::ledger::{Imbalance, elastic_energy};
 use crate::{Exposure, Fault, HeatPlan, Motion, Plan, Relaxation, State};
 use std::sync::Arc;

@@ -21,6 +21,8 @@
 // Bits of a part of a term, and how many parts there are.
 #define PART_BITS  41u
 #define PARTS      3u
+// Terms of a work-item.
+#define TURNS      4u
 // Work-items that add up the parts of a term, in the first of two rounds.
 #define ADDERS     16u
 
@@ -47,11 +49,11 @@ DEVICE void add_digits(IN_LOCAL u32 *digits, const real term)
 }
 
 // The largest magnitude of the terms of a work-item, by the high word of its bits.
-DEVICE void look_for_largest(IN_LOCAL const real *terms, const u32 count, IN_LOCAL u32 *largest)
+DEVICE void look_for_largest(IN_LOCAL const real *terms, IN_LOCAL u32 *largest)
 {
     u32 mine = 0u;
-    for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
-        const u32 size = (u32)(BITS_OF(terms[k]) >> 32) & 0x7fffffffu;
+    for (u32 turn = 0; turn < TURNS; ++turn) {
+        const u32 size = (u32)(BITS_OF(terms[TURNS * LOCAL_INDEX + turn]) >> 32) & 0x7fffffffu;
         mine = size > mine ? size : mine;
     }
     // Who sees an older value asks once too often.
@@ -60,34 +62,31 @@ DEVICE void look_for_largest(IN_LOCAL const real *terms, const u32 count, IN_LOC
 }
 
 // Splits the terms of a work-item into parts, whose sums take their places. What is left goes into digits.
-DEVICE void take_apart(IN_LOCAL real *terms, const u32 count, const u32 largest, IN_LOCAL u32 *digits)
+DEVICE void take_apart(IN_LOCAL real *terms, const u32 largest, IN_LOCAL u32 *digits)
 {
     const u32 exponent = largest >> 20;
-    const u32 is_plain = exponent + 13u < 0x7ffu && exponent >= PARTS * PART_BITS + 64u;
-    const u64 unit = exponent + 13u;
-    const real first_unit = is_plain ? REAL_OF(unit << 52) : 0.0;
-    const real second_unit = is_plain ? REAL_OF((unit - PART_BITS) << 52) : 0.0;
-    const real third_unit = is_plain ? REAL_OF((unit - 2u * PART_BITS) << 52) : 0.0;
-    real first = 0.0, second = 0.0, third = 0.0;
-    for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
-        real left = terms[k];
-        if (is_plain) {
-            real part = (first_unit + left) - first_unit;
-            first += part;
-            left -= part;
-            part = (second_unit + left) - second_unit;
-            second += part;
-            left -= part;
-            part = (third_unit + left) - third_unit;
-            third += part;
-            left -= part;
+    real left[TURNS], sum[PARTS];
+    for (u32 turn = 0; turn < TURNS; ++turn)
+        left[turn] = terms[TURNS * LOCAL_INDEX + turn];
+    if (exponent + 13u < 0x7ffu && exponent >= PARTS * PART_BITS + 64u) {
+        for (u32 p = 0; p < PARTS; ++p) {
+            const real unit = REAL_OF((u64)(exponent + 13u - p * PART_BITS) << 52);
+            real part[TURNS];
+            for (u32 turn = 0; turn < TURNS; ++turn) {
+                part[turn] = (unit + left[turn]) - unit;
+                left[turn] -= part[turn];
+            }
+            sum[p] = (part[0] + part[1]) + (part[2] + part[3]);
         }
-        if (left != 0.0)
-            add_digits(digits, left);
+    } else {
+        for (u32 p = 0; p < PARTS; ++p)
+            sum[p] = 0.0;
     }
-    terms[LOCAL_INDEX] = first;
-    terms[GROUP + LOCAL_INDEX] = second;
-    terms[2u * GROUP + LOCAL_INDEX] = third;
+    for (u32 p = 0; p < PARTS; ++p)
+        terms[TURNS * LOCAL_INDEX + p] = sum[p];
+    if (left[0] != 0.0 || left[1] != 0.0 || left[2] != 0.0 || left[3] != 0.0)
+        for (u32 turn = 0; turn < TURNS; ++turn)
+            add_digits(digits, left[turn]);
 }
 
 // What a word of a group becomes when carries are taken out of digits, once: at most 2^15 + 2^11.
@@ -104,27 +103,31 @@ DEVICE u32 settled_digit(IN_LOCAL const u32 *digits, const u32 k)
     LOCAL real terms[(sums) * CHUNK];                                         \
     LOCAL u32 digits[(sums) * WORDS];                                         \
     LOCAL u32 largest[sums];                                                  \
-    for (u32 word = LOCAL_INDEX; word < (sums) * WORDS; word += GROUP)        \
-        digits[word] = 0u;                                                    \
+    for (u32 sum = 0; sum < (sums); ++sum)                                    \
+        if (LOCAL_INDEX < WORDS)                                              \
+            digits[sum * WORDS + LOCAL_INDEX] = 0u;                           \
     if (LOCAL_INDEX < (sums))                                                 \
         largest[LOCAL_INDEX] = 0u
 
 // Adds the terms of a group, so many of each sum, to words of which there are so many copies; all of the group must come here.
 #define ADD_TERMS(sums, count, copies, into)                                  \
+    for (u32 sum = 0; sum < (sums); ++sum)                                    \
+        for (u32 k = (count) + LOCAL_INDEX; k < CHUNK; k += GROUP)            \
+            terms[sum * CHUNK + k] = 0.0;                                     \
     BARRIER;                                                                  \
     for (u32 sum = 0; sum < (sums); ++sum)                                    \
-        look_for_largest(terms + sum * CHUNK, (count), largest + sum);        \
+        look_for_largest(terms + sum * CHUNK, largest + sum);                 \
     BARRIER;                                                                  \
     for (u32 sum = 0; sum < (sums); ++sum)                                    \
-        take_apart(terms + sum * CHUNK, (count), largest[sum], digits + sum * WORDS); \
+        take_apart(terms + sum * CHUNK, largest[sum], digits + sum * WORDS);  \
     BARRIER;                                                                  \
     {                                                                         \
         const u32 sum = LOCAL_INDEX / 64u, adder = LOCAL_INDEX % 64u, part = adder / ADDERS; \
         if (sum < (sums) && part < PARTS) {                                   \
             real of_part = 0.0;                                               \
             for (u32 k = adder % ADDERS; k < GROUP; k += ADDERS)              \
-                of_part += terms[sum * CHUNK + part * GROUP + k];             \
-            terms[sum * CHUNK + PARTS * GROUP + adder] = of_part;             \
+                of_part += terms[sum * CHUNK + TURNS * k + part];             \
+            terms[sum * CHUNK + TURNS * adder + PARTS] = of_part;             \
         }                                                                     \
     }                                                                         \
     BARRIER;                                                                  \
@@ -133,20 +136,21 @@ DEVICE u32 settled_digit(IN_LOCAL const u32 *digits, const u32 k)
         if (sum < (sums) && part < PARTS) {                                   \
             real of_part = 0.0;                                               \
             for (u32 k = 0; k < ADDERS; ++k)                                  \
-                of_part += terms[sum * CHUNK + PARTS * GROUP + part * ADDERS + k]; \
+                of_part += terms[sum * CHUNK + TURNS * (part * ADDERS + k) + PARTS]; \
             if (of_part != 0.0)                                               \
                 add_digits(digits + sum * WORDS, of_part);                    \
         }                                                                     \
     }                                                                         \
     BARRIER;                                                                  \
-    for (u32 word = LOCAL_INDEX; word < (sums) * WORDS; word += GROUP) {      \
-        const u32 sum = word / WORDS, k = word % WORDS;                       \
-        const u32 to = (sum * (copies) + GROUP_INDEX % (copies)) * WORDS + k; \
-        const u32 more = k < DIGITS ? settled_digit(digits + sum * WORDS, k) : digits[word]; \
-        if (more && k < DIGITS)                                               \
-            ATOMIC_ADD((into) + to, more);                                    \
-        if (more && k == DIGITS)                                              \
-            ATOMIC_OR((into) + to, more);                                     \
+    for (u32 sum = 0; sum < (sums); ++sum) {                                  \
+        const u32 to = (sum * (copies) + GROUP_INDEX % (copies)) * WORDS + LOCAL_INDEX; \
+        if (LOCAL_INDEX < DIGITS) {                                           \
+            const u32 more = settled_digit(digits + sum * WORDS, LOCAL_INDEX); \
+            if (more)                                                         \
+                ATOMIC_ADD((into) + to, more);                                \
+        } else if (LOCAL_INDEX == DIGITS && digits[sum * WORDS + DIGITS]) {   \
+            ATOMIC_OR((into) + to, digits[sum * WORDS + DIGITS]);             \
+        }                                                                     \
     }
 
 // The nearest real of so many digits and a word of flags, ties to even. The digits are changed.
