@@ -30,6 +30,7 @@ pub(crate) use neighbours::indices_by_rank;
 pub(crate) use pieces::split;
 pub(crate) use predict::optional;
 pub(crate) use profile::copy_bandwidth;
+pub(crate) use wide::{Eight, Loop, run_portable, run_widest};
 
 use bodies::Bodies;
 use bonds::Bonds;

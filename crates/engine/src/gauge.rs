@@ -1,7 +1,7 @@
 //! Groups of particles that are watched: the force on them, how far they went, how far apart they are, how warm they and
 //! their surfaces are.
 
-use crate::ledger::sum;
+use crate::exact::exact_sums;
 use crate::{Plan, State};
 use std::sync::Arc;
 use tdem_physics::Vec3;
@@ -83,12 +83,12 @@ pub enum Reading {
 }
 
 impl Gauge {
-    /// What it shows of a state. The result has the same bits for any number of threads.
+    /// What it shows of a state. Sums over particles are exact.
     #[must_use]
     pub fn read(&self, state: &State, plan: &Plan) -> Reading {
         match &self.measure {
             Measure::Of(group) => Reading::Of {
-                force: sum(group.members.len(), |k| group.index(state, k).map_or([0.0; 3], |i| state.force[i])),
+                force: exact_sums(group.members.len(), |k| group.index(state, k).map_or([0.0; 3], |i| state.force[i])),
                 displacement: group.displacement(state, plan).into(),
                 temperature: plan.heat.is_some().then(|| group.temperature(state)),
             },
@@ -101,7 +101,7 @@ impl Gauge {
             }
             Measure::Surface(surface) => {
                 let count = surface.members.len();
-                let [temperature, heat_rate] = sum(count, |k| surface.of_member(state, plan, k));
+                let [temperature, heat_rate] = exact_sums(count, |k| surface.of_member(state, plan, k));
                 Reading::Surface { temperature: temperature / count as f64, heat_rate }
             }
         }
@@ -140,14 +140,14 @@ impl Group {
     fn mean(&self, state: &State, plan: &Plan) -> Vec3<f64> {
         let length = plan.domain.length();
         let count = self.members.len();
-        let total = sum(count, |k| self.index(state, k).map_or([0.0; 3], |i| state.true_position(i, length)));
+        let total = exact_sums(count, |k| self.index(state, k).map_or([0.0; 3], |i| state.true_position(i, length)));
         total.map(|total| total / count as f64).into()
     }
 
     /// Mean temperature, K.
     fn temperature(&self, state: &State) -> f64 {
         let count = self.members.len();
-        let [total] = sum(count, |k| self.index(state, k).map_or([0.0], |i| [state.temperature[i]]));
+        let [total] = exact_sums(count, |k| self.index(state, k).map_or([0.0], |i| [state.temperature[i]]));
         total / count as f64
     }
 

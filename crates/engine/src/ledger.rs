@@ -4,6 +4,7 @@ mod heat;
 
 pub use heat::HeatLedger;
 
+use crate::exact::{ExactSum, accumulate, exact_sums, tally};
 use crate::{Contact, Plan, State, WallContact, heat_accounts};
 use rayon::prelude::*;
 use tdem_physics::Vec3;
@@ -59,29 +60,6 @@ pub struct Ledger {
     pub wall_force: [f64; 3],
 }
 
-/// Particles or contacts per partial sum. Fixed, so that sums have the same bits for any number of threads.
-const CHUNK: usize = 1024;
-
-/// Sums `K` quantities over `0..count`: within chunks in order, then the chunks in order. Also finds the largest value
-/// of one more, 0 if there are none.
-fn tally<const K: usize>(count: usize, term: impl Fn(usize) -> ([f64; K], f64) + Sync) -> ([f64; K], f64) {
-    let add = |(mut total, largest): ([f64; K], f64), (term, value): ([f64; K], f64)| {
-        for k in 0..K {
-            total[k] += term[k];
-        }
-        (total, largest.max(value))
-    };
-    let of_chunk =
-        |chunk: usize| (chunk * CHUNK..((chunk + 1) * CHUNK).min(count)).map(&term).fold(([0.0; K], 0.0), add);
-    let partial: Vec<_> = (0..count.div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect();
-    partial.into_iter().fold(([0.0; K], 0.0), add)
-}
-
-/// Sums only.
-pub(crate) fn sum<const K: usize>(count: usize, term: impl Fn(usize) -> [f64; K] + Sync) -> [f64; K] {
-    tally(count, |index| (term(index), 0.0)).0
-}
-
 /// Lowest and highest value; infinite if there are none.
 pub(crate) fn extremes(values: &[f64]) -> [f64; 2] {
     let fold = || [f64::INFINITY, f64::NEG_INFINITY];
@@ -90,41 +68,40 @@ pub(crate) fn extremes(values: &[f64]) -> [f64; 2] {
 }
 
 impl Ledger {
-    /// Takes stock of a state. The result has the same bits for any number of threads.
+    /// Takes stock of a state. Sums over particles, contacts and bonds are exact, see [`ExactSum`].
     #[must_use]
     pub fn of(state: &State, plan: &Plan) -> Ledger {
         let gravity: Vec3<f64> = plan.gravity.into();
         let length = plan.domain.length();
-        let ([kinetic_translation, kinetic_rotation, gravitational, resultant], largest_speed) =
-            tally(state.len(), |i| {
-                let (velocity, spin): (Vec3<f64>, Vec3<f64>) =
-                    (state.velocity[i].into(), state.angular_velocity[i].into());
-                let mass = state.mass[i];
-                let unfolded = state.true_position(i, length);
-                let terms = [
-                    0.5 * mass * velocity.dot(velocity),
-                    0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
-                    -(mass * gravity.dot(unfolded.into())),
-                    resultant_of(state, plan, i),
-                ];
-                (terms, velocity.dot(velocity).sqrt())
-            });
+        let (of_particles, largest_speed) = tally(state.len(), |i| {
+            let (velocity, spin): (Vec3<f64>, Vec3<f64>) = (state.velocity[i].into(), state.angular_velocity[i].into());
+            let mass = state.mass[i];
+            let unfolded = state.true_position(i, length);
+            let terms = [
+                0.5 * mass * velocity.dot(velocity),
+                0.5 * sphere_inertia(mass, state.radius[i]) * spin.dot(spin),
+                -(mass * gravity.dot(unfolded.into())),
+                resultant_of(state, plan, i),
+            ];
+            (terms, velocity.dot(velocity).sqrt())
+        });
+        let [kinetic_translation, kinetic_rotation, gravitational, resultant] = of_particles.map(|sum| sum.value());
         let ([pair_normal, pair_tangential, pair_force], largest_overlap) =
             tally(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k]));
         let ([wall_normal, wall_tangential, wall_size, fx, fy, fz], largest_wall_overlap) =
             tally(state.wall_contacts.len(), |k| at_wall(state, plan, &state.wall_contacts[k]));
-        let [friction, damping, stiffening, external] = sum(state.accounts.len(), |i| state.accounts[i]);
+        let [friction, damping, stiffening, external] = exact_sums(state.accounts.len(), |i| state.accounts[i]);
 
-        let [expansion] = sum(state.heat_accounts.len(), |i| [state.heat_accounts[i][heat_accounts::EXPANSION]]);
-        let [elastic_bonds, bond_force, bonds, released] = sum(state.bonds.len(), |k| of_bond(state, plan, k));
-        let holding = bonds as usize;
-        let imbalance = Imbalance::mean(state, resultant, [pair_force, wall_size, bond_force], holding);
+        let [expansion] = exact_sums(state.heat_accounts.len(), |i| [state.heat_accounts[i][heat_accounts::EXPANSION]]);
+        let [elastic_bonds, bond_force, bonds, released] = accumulate(state.bonds.len(), |k| of_bond(state, plan, k));
+        let (holding, released) = (bonds.value() as usize, released.value());
+        let imbalance = Imbalance::mean(state, resultant, &[pair_force, wall_size, bond_force], holding);
         let mut ledger = Ledger {
             kinetic_translation,
             kinetic_rotation,
-            elastic_normal: pair_normal + wall_normal,
-            elastic_tangential: pair_tangential + wall_tangential,
-            elastic_bonds,
+            elastic_normal: together(&[pair_normal, wall_normal]),
+            elastic_tangential: together(&[pair_tangential, wall_tangential]),
+            elastic_bonds: elastic_bonds.value(),
             gravitational,
             friction_dissipated: friction,
             damping_dissipated: damping,
@@ -141,7 +118,7 @@ impl Ledger {
             largest_overlap: largest_overlap.max(largest_wall_overlap),
             unbalanced_force_ratio: imbalance.ratio(0.0),
             heat: HeatLedger::of(state, plan),
-            wall_force: [fx, fy, fz],
+            wall_force: [fx, fy, fz].map(|sum| sum.value()),
         };
         if plan.ledger && state.accounts.len() == state.len() {
             let left = ledger.mechanical() + (friction + damping + released);
@@ -167,17 +144,24 @@ impl Ledger {
     }
 }
 
-/// Energy in all springs, J, with the same bits for any number of threads.
+/// The sum of all terms of several sums, rounded once.
+fn together(sums: &[ExactSum]) -> f64 {
+    let mut all = ExactSum::default();
+    for sum in sums {
+        all.merge(sum);
+    }
+    all.value()
+}
+
+/// Energy in all springs, J: an exact sum.
 pub(crate) fn elastic_energy(state: &State, plan: &Plan) -> f64 {
-    let both = |[normal, tangential]: [f64; 2]| normal + tangential;
-    let [pairs] = sum(state.contacts.len(), |k| {
-        [state.evaluate(plan, &state.contacts[k]).map_or(0.0, |found| both(found.stored_energy()))]
+    let [normal, tangential, _] = tally(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k])).0;
+    let [wall_normal, wall_tangential] = accumulate(state.wall_contacts.len(), |k| {
+        let [normal, tangential, ..] = at_wall(state, plan, &state.wall_contacts[k]);
+        [normal, tangential]
     });
-    let [walls] = sum(state.wall_contacts.len(), |k| {
-        [state.evaluate_at_wall(plan, &state.wall_contacts[k]).map_or(0.0, |found| both(found.stored_energy()))]
-    });
-    let [bonds] = sum(state.bonds.len(), |k| [of_bond(state, plan, k)[0]]);
-    pairs + walls + bonds
+    let [bonds] = accumulate(state.bonds.len(), |k| [of_bond(state, plan, k)[0]]);
+    together(&[normal, tangential, wall_normal, wall_tangential, bonds])
 }
 
 /// How far from equilibrium particles are.
@@ -190,25 +174,21 @@ pub(crate) struct Imbalance {
 }
 
 impl Imbalance {
-    /// That of a state, with the same bits for any number of threads.
+    /// That of a state, from exact sums.
     pub(crate) fn of(state: &State, plan: &Plan) -> Self {
-        let [resultant] = sum(state.len(), |i| [resultant_of(state, plan, i)]);
-        let [pair] = sum(state.contacts.len(), |k| [of_pair(state, plan, &state.contacts[k]).0[2]]);
-        let [wall] = sum(state.wall_contacts.len(), |k| [at_wall(state, plan, &state.wall_contacts[k]).0[2]]);
-        let [bond, holding] = sum(state.bonds.len(), |k| {
+        let [resultant] = exact_sums(state.len(), |i| [resultant_of(state, plan, i)]);
+        let [pair] = accumulate(state.contacts.len(), |k| [of_pair(state, plan, &state.contacts[k]).0[2]]);
+        let [wall] = accumulate(state.wall_contacts.len(), |k| [at_wall(state, plan, &state.wall_contacts[k]).0[2]]);
+        let [bond, holding] = accumulate(state.bonds.len(), |k| {
             let [_, force, holds, _] = of_bond(state, plan, k);
             [force, holds]
         });
-        Imbalance::mean(state, resultant, [pair, wall, bond], holding as usize)
+        Imbalance::mean(state, resultant, &[pair, wall, bond], holding.value() as usize)
     }
     /// From sums, and the number of bonds that hold.
-    fn mean(state: &State, resultant: f64, forces: [f64; 3], holding: usize) -> Self {
+    fn mean(state: &State, resultant: f64, forces: &[ExactSum; 3], holding: usize) -> Self {
         let contacts = state.contacts.len() + state.wall_contacts.len() + holding;
-        let [pair, wall, bond] = forces;
-        Imbalance {
-            resultant: resultant / state.len().max(1) as f64,
-            force: (pair + wall + bond) / contacts.max(1) as f64,
-        }
+        Imbalance { resultant: resultant / state.len().max(1) as f64, force: together(forces) / contacts.max(1) as f64 }
     }
     /// Mean resultant over mean force, or over a force that counts as small if that is more; 0 without forces.
     pub(crate) fn ratio(&self, small: f64) -> f64 {

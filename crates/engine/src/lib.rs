@@ -4,6 +4,7 @@
 //! * [`Plan`] what stays the same during a run: laws, walls, boundary conditions, step
 //! * [`Simulation`] a state advanced by a back end under a plan
 //! * [`Ledger`] where the energy is and where it went
+//! * [`ExactSum`] a sum that knows no order
 //! * [`Gauge`] force on a group of particles, how far it went
 //! * [`Profile`] where the time of a step goes
 //! * [`Schedule`] when a run ends and when its state is wanted
@@ -19,6 +20,7 @@ mod capture;
 pub mod cpu;
 mod device;
 mod evaluate;
+mod exact;
 mod fault;
 mod gauge;
 pub mod gpu;
@@ -39,6 +41,7 @@ pub use bond::{Bond, BondHistory, BondPlan, BondTables, Breakage};
 pub use capture::Capture;
 pub use device::Device;
 pub use evaluate::{Evaluated, EvaluatedBond};
+pub use exact::{ExactSum, exact_sums};
 pub use fault::Fault;
 pub use gauge::{Gauge, Group, Measure, Part as SurfacePart, Reading, Surface};
 pub use heat::{Around, Course, Exposure, HeatPlan, Thermal, ThermalTables, heat_accounts};

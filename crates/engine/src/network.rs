@@ -23,7 +23,7 @@ use tdem_physics::contact::{touch_spheres, touch_wall};
 use tdem_physics::heat::conduction::{at_wall, between_spheres};
 use tdem_physics::heat::warming::longest_step;
 
-/// Particles per partial sum and per task. Fixed, so that sums have the same bits for any number of threads.
+/// Particles per task, and per group of a device.
 pub(crate) const CHUNK: usize = 1024;
 
 /// What conducts heat in a state. `N` is the number of particles.

@@ -1,7 +1,8 @@
 //! What a simulation is: all that is needed to go on.
 
+mod hash;
+
 use crate::{Bond, BondHistory, Fault, Plan};
-use xxhash_rust::xxh3::Xxh3;
 
 /// All that is needed to go on, in the order of persistent ids, whatever order a back end works in.
 ///
@@ -153,51 +154,6 @@ impl State {
             + size(&self.wall_contacts)
             + size(&self.bonds)
             + size(&self.bond_histories)
-    }
-
-    /// A hash of the whole state, the same wherever the same bits were computed. Signed zeros do not matter.
-    #[must_use]
-    pub fn hash(&self) -> u128 {
-        let mut hasher = Xxh3::new();
-        let mut word = |value: u64| hasher.update(&value.to_le_bytes());
-        let real = |value: f64| (value + 0.0).to_bits();
-        word(self.step);
-        self.id.iter().for_each(|&v| word(v.into()));
-        self.material.iter().for_each(|&v| word(v.into()));
-        self.constraint.iter().for_each(|&v| word(v.into()));
-        self.image.iter().flatten().for_each(|&v| word(u64::from(v.cast_unsigned())));
-        self.radius.iter().chain(&self.mass).for_each(|&v| word(real(v)));
-        for field in
-            [&self.position, &self.velocity, &self.angular_velocity, &self.force, &self.moment, &self.wall_position]
-        {
-            field.iter().flatten().for_each(|&v| word(real(v)));
-        }
-        self.derivatives.iter().flatten().flatten().for_each(|&v| word(real(v)));
-        for contact in &self.contacts {
-            word(contact.first.into());
-            word(contact.second.into());
-            contact.displacement.iter().for_each(|&v| word(real(v)));
-        }
-        for contact in &self.wall_contacts {
-            word(contact.particle.into());
-            word(contact.wall.into());
-            contact.displacement.iter().for_each(|&v| word(real(v)));
-        }
-        self.accounts.iter().flatten().for_each(|&v| word(real(v)));
-        self.orientation.iter().flatten().for_each(|&v| word(real(v)));
-        self.bonded_position.iter().flatten().for_each(|&v| word(real(v)));
-        for bond in &self.bonds {
-            word(bond.first.into());
-            word(bond.second.into());
-            word(real(bond.strength));
-            let broken = bond.breakage.map(|b| [b.step, b.failure.code().to_bits(), real(b.energy)]);
-            broken.unwrap_or_default().into_iter().for_each(&mut word);
-        }
-        self.bond_histories.iter().flat_map(BondHistory::numbers).for_each(|v| word(real(v)));
-        self.temperature.iter().chain(&self.heat_rate).chain(&self.reference_radius).for_each(|&v| word(real(v)));
-        self.exposure.iter().for_each(|&v| word(v.into()));
-        self.heat_accounts.iter().flatten().chain(&self.work_per_kelvin).for_each(|&v| word(real(v)));
-        hasher.digest128()
     }
 }
 

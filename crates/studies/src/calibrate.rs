@@ -9,7 +9,7 @@
 use crate::uniaxial::{Elasticity, Error as UniaxialError, Failure, Sense, Specimen};
 use tdem_engine::physics::bond::Joint;
 use tdem_engine::physics::bond::mean_field::{self, Packing};
-use tdem_engine::{Fault, Plan, Simulation, State};
+use tdem_engine::{ExactSum, Fault, Plan, Simulation, State};
 
 /// Values of the solid that are to come out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,7 +163,7 @@ fn ratio_of(
 fn packing(specimen: &Specimen) -> Packing {
     let state = specimen.state();
     let count = state.len() as f64;
-    let radius = state.radius.iter().sum::<f64>() / count;
+    let radius = ExactSum::of(state.radius.iter().copied()).value() / count;
     let box_within = |margin: f64| specimen.extent().map(|[low, high]| [low + margin, high - margin]);
     let lies_in = |k: usize, room: &[[f64; 2]; 3]| {
         state.position[k].iter().zip(room).all(|(x, [low, high])| (low..=high).contains(&x))
@@ -178,7 +178,7 @@ fn packing(specimen: &Specimen) -> Packing {
     let sphere = |k: &usize| 4.0 / 3.0 * std::f64::consts::PI * state.radius[*k] * state.radius[*k] * state.radius[*k];
     let volume: f64 = room.iter().map(|[low, high]| high - low).product();
     Packing {
-        solid_fraction: within.iter().map(sphere).sum::<f64>() / volume,
+        solid_fraction: ExactSum::of(within.iter().map(sphere)).value() / volume,
         coordination: within.iter().map(|&k| f64::from(bonds[k])).sum::<f64>() / within.len() as f64,
         radius,
     }

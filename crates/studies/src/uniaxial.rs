@@ -10,7 +10,7 @@ use tdem_engine::physics::Vec3;
 use tdem_engine::physics::bond::{Damping, Form, Joint};
 use tdem_engine::physics::motion::sphere_inertia;
 use tdem_engine::physics::stability::BondedParticle;
-use tdem_engine::{Constraint, Fault, Plan, Simulation, State};
+use tdem_engine::{Constraint, ExactSum, Fault, Plan, Simulation, State};
 
 /// Why a specimen cannot be tested.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -140,7 +140,7 @@ impl Specimen {
         let joint = *kinds.first().and_then(|&[a, b]| plan.joint(a, b)).ok_or(Error::NoBonds)?;
         let extent = extent(state);
         let [low, high] = extent[axis];
-        let diameter = 2.0 * state.radius.iter().sum::<f64>() / state.len() as f64;
+        let diameter = 2.0 * ExactSum::of(state.radius.iter().copied()).value() / state.len() as f64;
         let along = |k: usize| state.position[k][axis];
         let held = |k: &usize| assembly.bonded_to(*k).next().is_some();
         let all = || (0..state.len()).filter(held);
@@ -208,8 +208,8 @@ impl Specimen {
 
     /// Between the mean places of the grips, m.
     fn span(&self) -> f64 {
-        let mean =
-            |grip: &[usize]| grip.iter().map(|&k| self.state.position[k][self.axis]).sum::<f64>() / grip.len() as f64;
+        let place = |&k: &usize| self.state.position[k][self.axis];
+        let mean = |grip: &[usize]| ExactSum::of(grip.iter().map(place)).value() / grip.len() as f64;
         mean(&self.grips[1]) - mean(&self.grips[0])
     }
 
@@ -220,7 +220,7 @@ impl Specimen {
     pub fn elasticity(&self) -> Result<Elasticity, Error> {
         let strain = 1e-6;
         let solution = self.stretched(strain)?;
-        let force: f64 = self.grips[1].iter().map(|&k| solution.reaction[k][self.axis]).sum();
+        let force = ExactSum::of(self.grips[1].iter().map(|&k| solution.reaction[k][self.axis])).value();
         let moved = |k: usize| std::array::from_fn(|d| solution.displacement[k][d]);
         Ok(self.elasticity_of(force, &moved))
     }
@@ -241,12 +241,10 @@ impl Specimen {
         let slope = |d: usize| {
             let points = self.middle.iter().map(|&k| (self.state.position[k][d], moved(k)[d]));
             let count = self.middle.len() as f64;
-            let (x, u) = points.clone().fold((0.0, 0.0), |(x, u), point| (x + point.0, u + point.1));
-            let (x, u) = (x / count, u / count);
-            let sums = points.fold((0.0, 0.0), |(cross, square), point| {
-                (cross + (point.0 - x) * (point.1 - u), square + (point.0 - x) * (point.0 - x))
-            });
-            sums.0 / sums.1
+            let sum = |of: &dyn Fn((f64, f64)) -> f64| ExactSum::of(points.clone().map(of)).value();
+            let (x, u) = (sum(&|point| point.0) / count, sum(&|point| point.1) / count);
+            let cross = sum(&|point| (point.0 - x) * (point.1 - u));
+            cross / sum(&|point| (point.0 - x) * (point.0 - x))
         };
         let [along, first, second] = [0, 1, 2].map(|k| slope((self.axis + k) % 3));
         Elasticity { young_modulus: force / self.section / along, poisson_ratio: -0.5 * (first + second) / along }
@@ -282,7 +280,7 @@ impl Specimen {
     ) -> Result<Failure, Error> {
         let first = self.first_breakage(sense)?;
         let Elasticity { young_modulus, poisson_ratio } = self.elasticity()?;
-        let bulk_density = self.state.mass.iter().sum::<f64>() / (self.section * self.length());
+        let bulk_density = ExactSum::of(self.state.mass.iter().copied()).value() / (self.section * self.length());
         let transit = self.length() / (young_modulus / bulk_density).sqrt();
         let rate = self.rate * sense.sign() * first / (TRANSITS * transit);
         let (state, plan) = self.in_motion(rate, poisson_ratio);
@@ -323,7 +321,7 @@ impl Specimen {
 
     /// Mean of the forces on the grips, N, tension positive.
     fn force(&self, state: &State) -> f64 {
-        let of = |grip: &[usize]| grip.iter().map(|&k| state.force[k][self.axis]).sum::<f64>();
+        let of = |grip: &[usize]| ExactSum::of(grip.iter().map(|&k| state.force[k][self.axis])).value();
         0.5 * (of(&self.grips[0]) - of(&self.grips[1]))
     }
 

@@ -7,7 +7,7 @@ use tdem_physics::real::{Lanes, WIDTH};
 use tdem_physics::{Real, Vec3, vec3};
 
 /// Eight numbers in lanes, and how they come from and go to memory.
-pub(super) trait Eight: Real {
+pub(crate) trait Eight: Real {
     fn from_array(numbers: [f64; WIDTH]) -> Self;
     /// One bit per lane.
     fn bits(mask: Self::Mask) -> u8;
@@ -89,7 +89,7 @@ pub(super) fn lanes_period<R: Eight>(period: &Period<f64>) -> Period<R> {
 }
 
 /// A loop over eight numbers at a time, written for any kind of them.
-pub(super) trait Loop {
+pub(crate) trait Loop {
     /// What it finds.
     type Found;
     /// Must always be inlined, with all that it calls, or it is compiled without the instruction set of its caller.
@@ -98,12 +98,12 @@ pub(super) trait Loop {
 
 /// Runs a loop on any machine. Not inlined: it would be compiled once more into [`run_widest`].
 #[inline(never)]
-pub(super) fn run_portable<L: Loop>(eight: L) -> L::Found {
+pub(crate) fn run_portable<L: Loop>(eight: L) -> L::Found {
     eight.run::<Lanes>()
 }
 
 /// Runs a loop with the widest registers of this machine.
-pub(super) fn run_widest<L: Loop>(eight: L) -> L::Found {
+pub(crate) fn run_widest<L: Loop>(eight: L) -> L::Found {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f")

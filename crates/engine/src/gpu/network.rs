@@ -18,6 +18,18 @@ use tdem_physics::print;
 const SIDE: usize = 32;
 /// Iterations launched before the host asks whether they were enough.
 const BATCH: u64 = 16;
+/// Words of an exact sum, as in the kernels.
+pub(super) const SUM_WORDS: usize = 136;
+/// So many chunks may add to the words of one copy before a digit would overflow.
+const CHUNKS_PER_COPY: usize = 1 << 15;
+/// Copies among which chunks are shared where one would do, so that few wait for each other.
+const COPIES: usize = 16;
+
+/// Copies of the words of a sum of so many terms.
+pub(super) fn copies_of_sums(terms: usize) -> usize {
+    let chunks = terms.div_ceil(CHUNK);
+    chunks.div_ceil(CHUNKS_PER_COPY).max(chunks.min(COPIES)).max(1)
+}
 
 /// The program of heat alone.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +40,7 @@ impl Program for Alone {
         heads().into_iter().map(|head| head.name).collect()
     }
     fn source(&self) -> String {
-        let skeletons = format!("\n{}", include_str!("kernels/network.cl"));
+        let skeletons = ["\n", include_str!("kernels/exact.cl"), "\n", include_str!("kernels/network.cl")].concat();
         print::network_source() + "\n" + &record_definitions() + &with_heads(skeletons, &heads())
     }
 }
@@ -58,8 +70,10 @@ pub(super) struct Conducting<R: Runtime> {
     rows: Rows<R::Memory>,
     /// Of an implicit step; empty in the explicit scheme.
     system: System<R::Memory>,
-    /// Two for each chunk.
+    /// One for each chunk.
     partial: Buffer<f64, R::Memory>,
+    /// Words of two exact sums, in copies; zeros between two launches that add and take.
+    sums: Buffer<u32, R::Memory>,
     scalars: Buffer<Scalars, R::Memory>,
     /// The part of the step that left no temperature; 0 without any.
     halted: Buffer<u32, R::Memory>,
@@ -105,6 +119,7 @@ impl<R: Runtime> Conducting<R> {
         let queue = Queue::new(runtime, Alone)?;
         let n = state.len();
         let chunks = n.div_ceil(CHUNK);
+        let copies = copies_of_sums(n);
         let exposure: Vec<u32> = state.exposure.iter().map(|&exposure| exposure.into()).collect();
         let (surfaces, exchanges) = surfaces(heat);
         let booked = if plan.ledger { n } else { 0 };
@@ -114,7 +129,7 @@ impl<R: Runtime> Conducting<R> {
                 step: 0.0,
                 tolerance_squared: TOLERANCE * TOLERANCE,
                 particles: n as u32,
-                chunks: chunks as u32,
+                copies: copies as u32,
                 walls: heat.walls.len() as u32,
                 exposures: heat.exposures.len() as u32,
                 part: 1,
@@ -134,7 +149,8 @@ impl<R: Runtime> Conducting<R> {
             capacity: queue.buffer(n)?,
             rows: Rows::of(&queue, &Network::default(), 0)?,
             system: System::new(&queue, implicit)?,
-            partial: queue.buffer(2 * chunks)?,
+            partial: queue.buffer(chunks)?,
+            sums: queue.zeros(2 * copies * SUM_WORDS)?,
             scalars: queue.zeros(1)?,
             halted: queue.zeros(1)?,
             queue,
@@ -145,7 +161,7 @@ impl<R: Runtime> Conducting<R> {
         self.conduction.particles as usize
     }
     fn chunks(&self) -> usize {
-        self.conduction.chunks as usize
+        self.particles().div_ceil(CHUNK)
     }
 
     fn run_multiply(&self) -> Result<(), Error> {
@@ -165,7 +181,7 @@ impl<R: Runtime> Conducting<R> {
                 held: &system.held,
                 way: &system.way,
                 product: &self.total,
-                partial: &self.partial,
+                sums: &self.sums,
             },
             self.chunks(),
         )
@@ -183,11 +199,11 @@ impl<R: Runtime> Conducting<R> {
                 capacity: &self.capacity,
                 temperature: &self.temperature,
                 end: &system.end,
-                partial: &self.partial,
+                sums: &self.sums,
             },
             self.chunks(),
         )?;
-        self.queue.run_groups(&TakeContent { conduction, partial: &self.partial, scalars: &self.scalars }, 1)?;
+        self.queue.run_groups(&TakeContent { conduction, sums: &self.sums, scalars: &self.scalars }, 1)?;
         self.queue.run_groups(
             &Assemble {
                 conduction,
@@ -210,7 +226,7 @@ impl<R: Runtime> Conducting<R> {
                 residual: &system.residual,
                 change: &system.change,
                 way: &system.way,
-                partial: &self.partial,
+                sums: &self.sums,
             },
             self.chunks(),
         )?;
@@ -218,15 +234,15 @@ impl<R: Runtime> Conducting<R> {
     }
 
     fn take_squares(&self, counted: u32) -> Result<(), Error> {
-        let (conduction, partial, scalars) = (self.conduction, &self.partial, &self.scalars);
-        self.queue.run_groups(&TakeSquares { conduction, counted, partial, scalars }, 1)
+        let (conduction, sums, scalars) = (self.conduction, &self.sums, &self.scalars);
+        self.queue.run_groups(&TakeSquares { conduction, counted, sums, scalars }, 1)
     }
 
     /// One iteration; nothing once the solution is found.
     fn iterate(&self) -> Result<(), Error> {
-        let (conduction, partial, scalars, system) = (self.conduction, &self.partial, &self.scalars, &self.system);
+        let (conduction, sums, scalars, system) = (self.conduction, &self.sums, &self.scalars, &self.system);
         self.run_multiply()?;
-        self.queue.run_groups(&TakeWork { conduction, partial, scalars }, 1)?;
+        self.queue.run_groups(&TakeWork { conduction, sums, scalars }, 1)?;
         self.queue.run_groups(
             &Advance {
                 conduction,
@@ -237,7 +253,7 @@ impl<R: Runtime> Conducting<R> {
                 capacity: &self.capacity,
                 change: &system.change,
                 residual: &system.residual,
-                partial,
+                sums,
             },
             self.chunks(),
         )?;

@@ -4,9 +4,12 @@
 use super::cuda::Cuda;
 use super::devices::{Api, open_opencl, survey};
 use super::kernel_cache::KernelCache;
+use super::network::{SUM_WORDS, copies_of_sums};
 use super::opencl::OpenCl;
 use super::runtime::{Argument, Error, Fetch, Runtime, Span};
 use super::self_test::{SOURCE, agrees, check_contraction};
+use crate::ExactSum;
+use crate::exact::tests::{Random, assert_rounded_once, hard_sums};
 use std::env;
 use std::sync::Once;
 use std::time::Instant;
@@ -31,6 +34,9 @@ on_each_runtime! {
     bits_of_reals_are_those_of_the_host
     refusals_say_what_is_wrong
     a_device_that_fuses_is_found_out
+    hard_sums_are_rational_sums_rounded_once_in_any_order
+    sums_of_many_groups_and_copies_have_the_bits_of_the_host
+    what_is_no_number_gives_what_it_gives_on_the_host
 }
 
 fn opencl_runtime() -> OpenCl {
@@ -90,6 +96,130 @@ KERNEL(64, 1) bits(GLOBAL u64 *RESTRICT to, const real x) {
     if (GROUP_COUNT != 1) to[0] = 0;
 }
 ";
+
+/// A sum for each group, and two of all groups together, behind `exact.cl`.
+const SUMS: &str = "
+KERNEL(256, 4) add_each(GLOBAL const real *RESTRICT from, GLOBAL const u32 *RESTRICT start, GLOBAL u32 *RESTRICT words) {
+    ROOM_FOR_TERMS(1u);
+    const u32 begin = start[GROUP_INDEX], count = start[GROUP_INDEX + 1u] - begin;
+    for (u32 k = LOCAL_INDEX; k < count; k += GROUP) terms[k] = from[begin + k];
+    ADD_TERMS(1u, count, 1u, words + GROUP_INDEX * WORDS)
+}
+KERNEL(256, 4) take_each(GLOBAL u32 *RESTRICT words, GLOBAL real *RESTRICT to) {
+    TAKE_SUMS(1u, 1u, words + GROUP_INDEX * WORDS);
+    if (LOCAL_INDEX == 0u) to[GROUP_INDEX] = totals[0];
+}
+KERNEL(256, 4) add_all(GLOBAL const real *RESTRICT from, GLOBAL u32 *RESTRICT words, const u32 n, const u32 copies) {
+    ROOM_FOR_TERMS(2u);
+    const u32 begin = GROUP_INDEX * CHUNK, count = n - begin < CHUNK ? n - begin : CHUNK;
+    for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
+        terms[k] = from[begin + k];
+        terms[CHUNK + k] = -0.75 * from[begin + k];
+    }
+    ADD_TERMS(2u, count, copies, words)
+}
+KERNEL(256, 1) take_all(GLOBAL u32 *RESTRICT words, GLOBAL real *RESTRICT to, const u32 copies) {
+    TAKE_SUMS(2u, copies, words);
+    if (LOCAL_INDEX < 2u) to[LOCAL_INDEX] = totals[LOCAL_INDEX];
+}
+";
+
+fn sums_source() -> String {
+    [include_str!("kernels/exact.cl"), SUMS].concat()
+}
+
+/// Sums of some lists of at most 1024 terms, each by a group of the device.
+fn sums_of_groups(runtime: &impl Runtime, lists: &[Vec<f64>]) -> Vec<f64> {
+    let kernels = runtime.build(&sums_source(), &["add_each", "take_each"]).unwrap();
+    let terms = lists.concat();
+    let starts = lists.iter().scan(0, |end, list| {
+        *end += list.len() as u32;
+        Some(*end)
+    });
+    let starts: Vec<u32> = std::iter::once(0).chain(starts).collect();
+    let size = size_of_val(&terms[..]);
+    let (from, start) = (runtime.allocate(size).unwrap(), runtime.allocate(size_of_val(&starts[..])).unwrap());
+    let bytes = 4 * SUM_WORDS * lists.len();
+    let (words, to) = (runtime.allocate(bytes).unwrap(), runtime.allocate(8 * lists.len()).unwrap());
+    runtime.upload(&from, bytemuck::cast_slice(&terms)).unwrap();
+    runtime.upload(&start, bytemuck::cast_slice(&starts)).unwrap();
+    runtime.clear(&words, bytes).unwrap();
+    let arguments = [&from, &start, &words].map(Argument::Memory);
+    runtime.launch(&kernels[0], lists.len(), 256, &arguments).unwrap();
+    runtime.launch(&kernels[1], lists.len(), 256, &[&words, &to].map(Argument::Memory)).unwrap();
+    let mut fetch = runtime.fetch(&words, bytes).unwrap();
+    assert!(fetch.wait().unwrap().iter().all(|&byte| byte == 0), "words are zeros again");
+    let mut fetch = runtime.fetch(&to, 8 * lists.len()).unwrap();
+    bytemuck::cast_slice(fetch.wait().unwrap()).to_vec()
+}
+
+fn hard_sums_are_rational_sums_rounded_once_in_any_order(runtime: &impl Runtime) {
+    let mut random = Random::new(4);
+    let mut lists = hard_sums(20_000);
+    for terms in &mut lists {
+        terms.truncate(1024);
+    }
+    let first = sums_of_groups(runtime, &lists);
+    for (k, (&value, terms)) in first.iter().zip(&lists).enumerate() {
+        assert_rounded_once(value, terms, &format!("sum {k}"));
+    }
+    for terms in &mut lists {
+        random.shuffle(terms);
+    }
+    let second = sums_of_groups(runtime, &lists);
+    assert!(first.iter().zip(&second).all(|(first, second)| first.to_bits() == second.to_bits()));
+}
+
+fn what_is_no_number_gives_what_it_gives_on_the_host(runtime: &impl Runtime) {
+    let (positive, negative) = (f64::INFINITY, f64::NEG_INFINITY);
+    let half = f64::from_bits((2046 - 53) << 52);
+    let lists = vec![
+        vec![],
+        vec![-0.0; 300],
+        vec![1.0, positive, -f64::MAX, positive],
+        vec![negative; 600],
+        vec![negative, 1.0, positive],
+        [vec![1.0; 700], vec![f64::NAN]].concat(),
+        vec![positive, -f64::NAN],
+        vec![-f64::MAX; 1024],
+        vec![f64::MAX, half],
+        vec![f64::MAX, half, -5e-324],
+    ];
+    let found = sums_of_groups(runtime, &lists);
+    for (terms, found) in lists.iter().zip(found) {
+        let expected = ExactSum::of(terms.iter().copied()).value();
+        let same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
+        assert!(same, "{found:e}, not {expected:e}");
+    }
+}
+
+fn sums_of_many_groups_and_copies_have_the_bits_of_the_host(runtime: &impl Runtime) {
+    let kernels = runtime.build(&sums_source(), &["add_all", "take_all"]).unwrap();
+    let mut random = Random::new(5);
+    let mut terms = hard_sums(800).concat();
+    let expected = [1.0, -0.75].map(|factor| ExactSum::of(terms.iter().map(|term| factor * term)).value());
+    let n = terms.len() as u32;
+    let (from, to) = (runtime.allocate(8 * terms.len()).unwrap(), runtime.allocate(16).unwrap());
+    for copies in [1, 3, copies_of_sums(terms.len()) as u32] {
+        let bytes = 2 * copies as usize * 4 * SUM_WORDS;
+        let words = runtime.allocate(bytes).unwrap();
+        runtime.clear(&words, bytes).unwrap();
+        let copies = copies.to_ne_bytes();
+        for _ in 0..2 {
+            random.shuffle(&mut terms);
+            runtime.upload(&from, bytemuck::cast_slice(&terms)).unwrap();
+            let (of, into) = (Argument::Memory(&from), Argument::Memory(&words));
+            let (count, shared) = (n.to_ne_bytes(), Argument::Value(&copies));
+            let groups = terms.len().div_ceil(1024);
+            runtime.launch(&kernels[0], groups, 256, &[of, into, Argument::Value(&count), shared]).unwrap();
+            let arguments = [Argument::Memory(&words), Argument::Memory(&to), Argument::Value(&copies)];
+            runtime.launch(&kernels[1], 1, 256, &arguments).unwrap();
+            let mut fetch = runtime.fetch(&to, 16).unwrap();
+            let found: &[f64] = bytemuck::cast_slice(fetch.wait().unwrap());
+            assert_eq!(found, expected, "{copies:?} copies");
+        }
+    }
+}
 
 fn quads(count: usize) -> Vec<[f64; 4]> {
     (0..count).map(|i| [if i % 5 == 4 { -1.0 } else { i as f64 }, 0.1, i as f64 / 3.0, 1.0]).collect()

@@ -1,6 +1,7 @@
 //! Where the heat is, where it went, and whether the sum closes.
 
-use super::{extremes, sum};
+use super::extremes;
+use crate::exact::exact_sums;
 use crate::heat_accounts::{IN, MADE, OUT};
 use crate::{Plan, State};
 
@@ -29,14 +30,14 @@ pub struct HeatLedger {
 }
 
 impl HeatLedger {
-    /// Takes stock of a state; `None` without heat. The result has the same bits for any number of threads.
+    /// Takes stock of a state; `None` without heat. Sums over particles are exact.
     #[must_use]
     pub fn of(state: &State, plan: &Plan) -> Option<HeatLedger> {
         plan.heat.as_ref()?;
         let [came_in, went_out, made] =
-            sum(state.heat_accounts.len(), |i| [IN, OUT, MADE].map(|column| state.heat_accounts[i][column]));
+            exact_sums(state.heat_accounts.len(), |i| [IN, OUT, MADE].map(|column| state.heat_accounts[i][column]));
         let stored = state.heat(plan) - state.initial_heat;
-        let [total] = sum(state.len(), |i| [state.temperature[i]]);
+        let [total] = exact_sums(state.len(), |i| [state.temperature[i]]);
         let [lowest, highest] = extremes(&state.temperature);
         let booked = plan.ledger && state.heat_accounts.len() == state.len();
         Some(HeatLedger {
@@ -59,7 +60,7 @@ impl State {
     pub(crate) fn heat(&self, plan: &Plan) -> f64 {
         let Some(heat) = &plan.heat else { return 0.0 };
         let step = if heat.motion.takes_turns() { 0.0 } else { plan.heat_step() };
-        let [total] = sum(self.len(), |i| {
+        let [total] = exact_sums(self.len(), |i| {
             let (material, reference) = (self.material[i], heat.reference_temperature);
             let warmth = heat.heat_between(material, self.mass[i], reference, self.temperature[i]);
             [warmth + self.heat_rate[i] * step]

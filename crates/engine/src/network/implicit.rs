@@ -4,7 +4,7 @@
 
 use super::{CHUNK, Network, Rates, Stuck, Surroundings};
 use crate::HeatPlan;
-use crate::ledger::sum;
+use crate::exact::exact_sums;
 use rayon::prelude::*;
 use tdem_physics::heat::implicit::{balance, foreign_at_end, held, residual_squares, square};
 
@@ -66,14 +66,15 @@ impl Network {
         let mut way = each(n, |i| residual[i] / matrix.diagonal[i]);
         let mut product = vec![0.0; n];
         // The square of the preconditioned residual, and of the temperatures that it stands for, by capacities.
-        let squares =
-            |residual: &[f64]| sum(n, |i| residual_squares(residual[i], matrix.diagonal[i], self.capacity[i], step));
-        let [content, capacity] = sum(n, |i| [square(self.capacity[i], temperature[i]), self.capacity[i]]);
+        let squares = |residual: &[f64]| {
+            exact_sums(n, |i| residual_squares(residual[i], matrix.diagonal[i], self.capacity[i], step))
+        };
+        let [content, capacity] = exact_sums(n, |i| [square(self.capacity[i], temperature[i]), self.capacity[i]]);
         let [mut missing, mut error] = squares(&residual);
         let mut iterations = 0;
         while error > TOLERANCE * TOLERANCE * content {
             matrix.times(&way, &mut product);
-            let [work] = sum(n, |i| [way[i] * product[i]]);
+            let [work] = exact_sums(n, |i| [way[i] * product[i]]);
             if iterations == MOST_ITERATIONS || work.is_nan() || work <= 0.0 {
                 return Err(Stuck { iterations, error: (error / capacity).sqrt() });
             }

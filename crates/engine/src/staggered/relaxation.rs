@@ -1,8 +1,9 @@
 //! The motion's turn: particles move, while no heat flows, until they are at rest.
 
 use super::Staggered;
+use crate::exact::exact_sums;
 use crate::heat_accounts::EXPANSION;
-use crate::ledger::{Imbalance, elastic_energy, sum};
+use crate::ledger::{Imbalance, elastic_energy};
 use crate::{Exposure, Fault, HeatPlan, Motion, Plan, Relaxation, State};
 use std::sync::Arc;
 use tdem_physics::heat::Path;
@@ -112,7 +113,7 @@ impl Staggered {
 
 /// What bonds would bear, in the mean, if they were held and became a little warmer, N; 0 without bonds.
 fn thermal_force(state: &State, plan: &Plan) -> f64 {
-    let [force] = sum(state.bonds.len(), |k| [thermal_force_of(state, plan, k).unwrap_or(0.0)]);
+    let [force] = exact_sums(state.bonds.len(), |k| [thermal_force_of(state, plan, k).unwrap_or(0.0)]);
     force / state.bonds.len().max(1) as f64
 }
 

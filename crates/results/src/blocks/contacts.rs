@@ -5,7 +5,7 @@ use crate::glossary::{CONTACTS, Place};
 use crate::vtkhdf::block::{Block, Cells};
 use rayon::prelude::*;
 use tdem_engine::physics::Vec3;
-use tdem_engine::{Contact, Evaluated, WallContact};
+use tdem_engine::{Contact, Evaluated, ExactSum, WallContact};
 
 /// A contact of one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,12 +97,14 @@ impl Scene<'_> {
 
     pub(super) fn wall_sums(&self) -> Vec<WallSum> {
         let mut sums = vec![WallSum::default(); self.plan.walls.len()];
+        let mut forces: Vec<[ExactSum; 3]> = sums.iter().map(|_| Default::default()).collect();
         for pair in self.wall_pairs() {
-            let sum = &mut sums[pair.wall as usize];
-            for k in 0..3 {
-                sum.force[k] -= pair.force[k];
-            }
-            sum.touching += 1;
+            let wall = pair.wall as usize;
+            (0..3).for_each(|k| forces[wall][k].add(-pair.force[k]));
+            sums[wall].touching += 1;
+        }
+        for (sum, force) in sums.iter_mut().zip(forces) {
+            sum.force = force.map(|sum| sum.value());
         }
         sums
     }

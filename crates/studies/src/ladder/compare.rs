@@ -1,5 +1,7 @@
 //! Two rungs at equal times of the heat.
 
+use tdem_engine::ExactSum;
+
 /// What is kept of a rung.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
@@ -60,10 +62,12 @@ pub struct Spread {
 impl Spread {
     fn of(differences: impl ExactSizeIterator<Item = f64>) -> Self {
         let count = differences.len().max(1) as f64;
-        let (sum, largest) = differences.fold((0.0, 0.0_f64), |(sum, largest), difference| {
-            (sum + difference * difference, largest.max(difference.abs()))
-        });
-        Spread { rms: (sum / count).sqrt(), largest }
+        let (mut sum, mut largest) = (ExactSum::default(), 0.0_f64);
+        for difference in differences {
+            sum.add(difference * difference);
+            largest = largest.max(difference.abs());
+        }
+        Spread { rms: (sum.value() / count).sqrt(), largest }
     }
     fn between(a: &[f64], b: &[f64]) -> Self {
         Spread::of(a.iter().zip(b).map(|(a, b)| a - b))

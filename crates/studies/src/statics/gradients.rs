@@ -2,9 +2,8 @@
 
 use super::{Assembly, Boundary, Error, Six};
 use rayon::prelude::*;
+use tdem_engine::exact_sums;
 
-/// Particles whose sums are formed together: fixed, so that the number of threads changes no bit.
-const CHUNK: usize = 512;
 /// The square of the preconditioned residual has fallen by the square of this at the end.
 const TOLERANCE: f64 = 1e-13;
 /// Iterations beyond which it is given up, however many particles.
@@ -22,7 +21,7 @@ pub(super) fn solve(assembly: &Assembly, boundary: &Boundary) -> Result<(Vec<Six
         (0..6).for_each(|k| residual[k] = if held[k].is_some() { 0.0 } else { residual[k] + load[k] });
     }
     let mut way: Vec<Six> = blocks.iter().zip(&residual).map(|(block, residual)| block.times(residual)).collect();
-    let mut square = ordered_sum(way.par_chunks(CHUNK).zip(residual.par_chunks(CHUNK)).map(|(w, r)| dot(w, r)));
+    let mut square = dot(&way, &residual);
     let first = square;
     let mut iterations = 0;
     let most = MOST_ITERATIONS.min(1000 + 6 * assembly.particles());
@@ -37,7 +36,7 @@ pub(super) fn solve(assembly: &Assembly, boundary: &Boundary) -> Result<(Vec<Six
         advance(&mut residual, &resistance, -step);
         let before = square;
         let eased: Vec<Six> = blocks.par_iter().zip(&residual).map(|(block, residual)| block.times(residual)).collect();
-        square = ordered_sum(eased.par_chunks(CHUNK).zip(residual.par_chunks(CHUNK)).map(|(z, r)| dot(z, r)));
+        square = dot(&eased, &residual);
         let part = square / before;
         way.par_iter_mut().zip(&eased).for_each(|(way, eased)| (0..6).for_each(|k| way[k] = eased[k] + part * way[k]));
         iterations += 1;
@@ -47,20 +46,12 @@ pub(super) fn solve(assembly: &Assembly, boundary: &Boundary) -> Result<(Vec<Six
 
 /// What free components resist a way with, and the work of it.
 fn resistance(assembly: &Assembly, boundary: &Boundary, way: &[Six]) -> (Vec<Six>, f64) {
-    let mut resistance = vec![[0.0; 6]; way.len()];
-    let sums = resistance.par_chunks_mut(CHUNK).enumerate().map(|(chunk, rows)| {
-        let mut work = 0.0;
-        for (k, row) in rows.iter_mut().enumerate() {
-            let particle = chunk * CHUNK + k;
-            let (pull, held) = (assembly.pull(particle, way), &boundary.held[particle]);
-            for k in 0..6 {
-                row[k] = if held[k].is_some() { 0.0 } else { -pull[k] };
-                work += row[k] * way[particle][k];
-            }
-        }
-        work
-    });
-    let work = ordered_sum(sums);
+    let of = |particle: usize| {
+        let (pull, held) = (assembly.pull(particle, way), &boundary.held[particle]);
+        std::array::from_fn(|k| if held[k].is_some() { 0.0 } else { -pull[k] })
+    };
+    let resistance: Vec<Six> = (0..way.len()).into_par_iter().map(of).collect();
+    let work = dot(&resistance, way);
     (resistance, work)
 }
 
@@ -68,13 +59,10 @@ fn advance(vector: &mut [Six], by: &[Six], step: f64) {
     vector.par_iter_mut().zip(by).for_each(|(vector, by)| (0..6).for_each(|k| vector[k] += step * by[k]));
 }
 
+/// The sum of the products of all components, exactly but for the rounding of each product.
 fn dot(a: &[Six], b: &[Six]) -> f64 {
-    a.iter().zip(b).flat_map(|(a, b)| (0..6).map(|k| a[k] * b[k])).sum()
-}
-
-fn ordered_sum(parts: impl IndexedParallelIterator<Item = f64>) -> f64 {
-    let parts: Vec<f64> = parts.collect();
-    parts.iter().sum()
+    let [sum] = exact_sums(6 * a.len(), |k| [a[k / 6][k % 6] * b[k / 6][k % 6]]);
+    sum
 }
 
 /// What a particle alone resists with, all others being held: inverted, over its free components.

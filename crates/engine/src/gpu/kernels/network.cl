@@ -1,13 +1,7 @@
 // Heat alone: what conducts while nothing moves, with the sums of the processor: along a row in its order; over all
-// particles chunk by chunk in order, then the chunks in order. Particles stand in the order of ids.
-//
-// A group has a chunk. Its terms are found side by side and added one after the other by one work-item, while others of
-// the same multiprocessor find theirs. Where there are two sums, two warps have one each.
+// particles exactly, see `exact.cl`. Particles stand in the order of ids. A group has a chunk.
 
-#define GROUP  256u
-#define CHUNK  1024u
-// Rows side by side: entry k of row r stands at slice[r / SIDE] + k * SIDE + r % SIDE.
-#define SIDE   32u
+// Entry k of row r stands at slice[r / SIDE] + k * SIDE + r % SIDE.
 
 // What conducts to particles, row by row: contacts, bonds, walls; the ends are counted along the row.
 typedef struct {
@@ -42,19 +36,6 @@ typedef struct {
     environment.surfaces = surfaces;    \
     environment.exchanges = exchanges;  \
     environment.around = around
-
-// Adds terms one after the other.
-#define ADD_UP(sum, terms, count)           \
-    for (u32 term = 0; term < (count); ++term) \
-        sum += terms[term]
-
-// The same of a chunk, by the first work-item of a warp, into the partial sums of the chunks.
-#define ADD_UP_CHUNK(warp, terms, count)                            \
-    if (LOCAL_INDEX == (warp) * SIDE && (count) > 0u) {             \
-        real sum = 0.0;                                             \
-        ADD_UP(sum, terms, count);                                  \
-        partial[(warp) * conduction.chunks + GROUP_INDEX] = sum;    \
-    }
 
 DEVICE u64 place_of(const Rows rows, const u32 i, const u32 entry)
 {
@@ -217,8 +198,7 @@ kernel warm
 
 kernel begin
 {
-    LOCAL real squares[CHUNK];
-    LOCAL real capacities[CHUNK];
+    ROOM_FOR_TERMS(2u);
     const u32 count = particles_of_chunk(conduction, GROUP_INDEX);
     for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
         const u32 i = GROUP_INDEX * CHUNK + k;
@@ -227,18 +207,15 @@ kernel begin
         end[i] = surfaces[exposed].prescribed ? around[conduction.walls + exposed] : now;
         real square;
         thermal_square(capacity[i], now, &square);
-        squares[k] = square;
-        capacities[k] = capacity[i];
+        terms[k] = square;
+        terms[CHUNK + k] = capacity[i];
     }
-    BARRIER;
-    ADD_UP_CHUNK(0u, squares, count)
-    ADD_UP_CHUNK(1u, capacities, count)
+    ADD_TERMS(2u, count, conduction.copies, sums)
 }
 
 kernel assemble
 {
-    LOCAL real squares[CHUNK];
-    LOCAL real errors[CHUNK];
+    ROOM_FOR_TERMS(2u);
     LOOK_UP(rows);
     LOOK_OUT(environment);
     const u32 count = particles_of_chunk(conduction, GROUP_INDEX);
@@ -259,17 +236,15 @@ kernel assemble
         residual[i] = missing;
         change[i] = 0.0;
         way[i] = missing / all;
-        squares[k] = square;
-        errors[k] = error;
+        terms[k] = square;
+        terms[CHUNK + k] = error;
     }
-    BARRIER;
-    ADD_UP_CHUNK(0u, squares, count)
-    ADD_UP_CHUNK(1u, errors, count)
+    ADD_TERMS(2u, count, conduction.copies, sums)
 }
 
 kernel multiply
 {
-    LOCAL real terms[CHUNK];
+    ROOM_FOR_TERMS(1u);
     LOOK_UP(rows);
     const u32 count = scalars[0].done ? 0u : particles_of_chunk(conduction, GROUP_INDEX);
     for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
@@ -280,14 +255,12 @@ kernel multiply
         product[i] = made;
         terms[k] = way[i] * made;
     }
-    BARRIER;
-    ADD_UP_CHUNK(0u, terms, count)
+    ADD_TERMS(1u, count, conduction.copies, sums)
 }
 
 kernel advance
 {
-    LOCAL real squares[CHUNK];
-    LOCAL real errors[CHUNK];
+    ROOM_FOR_TERMS(2u);
     const u32 count = scalars[0].done ? 0u : particles_of_chunk(conduction, GROUP_INDEX);
     const real part = scalars[0].part;
     for (u32 k = LOCAL_INDEX; k < count; k += GROUP) {
@@ -297,12 +270,10 @@ kernel advance
         residual_squares(missing, diagonal[i], capacity[i], conduction.step, &square, &error);
         change[i] += part * way[i];
         residual[i] = missing;
-        squares[k] = square;
-        errors[k] = error;
+        terms[k] = square;
+        terms[CHUNK + k] = error;
     }
-    BARRIER;
-    ADD_UP_CHUNK(0u, squares, count)
-    ADD_UP_CHUNK(1u, errors, count)
+    ADD_TERMS(2u, count, conduction.copies, sums)
 }
 
 kernel turn
@@ -331,36 +302,14 @@ kernel conduct
         total[i] = conducted(rows, i, end) + foreign[i];
 }
 
-// Sums of so many partial sums, by the first work-item of each of the first warps; all of the group must come here.
-#define ADD_UP_CHUNKS(sums, warps, count)                                      \
-    LOCAL real tile[(warps) * CHUNK];                                          \
-    LOCAL real sums[warps];                                                    \
-    const u32 warp = LOCAL_INDEX / SIDE;                                       \
-    const u32 adds = LOCAL_INDEX % SIDE == 0u && warp < (warps);               \
-    real sum = 0.0;                                                            \
-    for (u32 base = 0; base < (count); base += CHUNK) {                        \
-        const u32 here = (count) - base < CHUNK ? (count) - base : CHUNK;      \
-        for (u32 k = LOCAL_INDEX; k < here; k += GROUP)                        \
-            for (u32 of = 0; of < (warps); ++of)                               \
-                tile[of * CHUNK + k] = partial[of * conduction.chunks + base + k]; \
-        BARRIER;                                                               \
-        if (adds)                                                              \
-            for (u32 term = 0; term < here; ++term)                            \
-                sum += tile[warp * CHUNK + term];                              \
-        BARRIER;                                                               \
-    }                                                                          \
-    if (adds)                                                                  \
-        sums[warp] = sum;                                                      \
-    BARRIER
-
 kernel take_content
 {
-    ADD_UP_CHUNKS(sums, 2u, conduction.chunks);
+    TAKE_SUMS(2u, conduction.copies, sums);
     if (LOCAL_INDEX == 0u) {
         Scalars now;
         now.square = now.error = now.part = now.turn = 0.0;
-        now.limit = conduction.tolerance_squared * sums[0];
-        now.capacity = sums[1];
+        now.limit = conduction.tolerance_squared * totals[0];
+        now.capacity = totals[1];
         now.iterations = now.done = now.stuck = now.padding = 0u;
         scalars[0] = now;
     }
@@ -368,10 +317,9 @@ kernel take_content
 
 kernel take_work
 {
-    const u32 count = scalars[0].done ? 0u : conduction.chunks;
-    ADD_UP_CHUNKS(sums, 1u, count);
-    if (LOCAL_INDEX == 0u && count > 0u) {
-        const real work = sums[0];
+    TAKE_SUMS(1u, conduction.copies, sums);
+    if (LOCAL_INDEX == 0u && !scalars[0].done) {
+        const real work = totals[0];
         scalars[0].part = scalars[0].square / work;
         if (scalars[0].iterations == conduction.most_iterations || !(work > 0.0))
             scalars[0].done = scalars[0].stuck = 1u;
@@ -380,13 +328,12 @@ kernel take_work
 
 kernel take_squares
 {
-    const u32 count = scalars[0].done ? 0u : conduction.chunks;
-    ADD_UP_CHUNKS(sums, 2u, count);
-    if (LOCAL_INDEX == 0u && count > 0u) {
-        scalars[0].turn = sums[0] / scalars[0].square;
-        scalars[0].square = sums[0];
-        scalars[0].error = sums[1];
+    TAKE_SUMS(2u, conduction.copies, sums);
+    if (LOCAL_INDEX == 0u && !scalars[0].done) {
+        scalars[0].turn = totals[0] / scalars[0].square;
+        scalars[0].square = totals[0];
+        scalars[0].error = totals[1];
         scalars[0].iterations += counted;
-        scalars[0].done = !(sums[1] > scalars[0].limit);
+        scalars[0].done = !(totals[1] > scalars[0].limit);
     }
 }

@@ -2,6 +2,7 @@
 // * C99 expressions and control flow; no templates, references or overloads of one's own, no 3-vectors in buffers;
 // * only + - * / sqrt fabs on reals, never a built-in dot, cross, length or pow: each vendor rounds them differently;
 // * LOCAL variables are declared at the top level of a kernel, and every work-item of a group reaches each BARRIER;
+// * a pointer to local memory is IN_LOCAL, as LOCAL is for what is declared;
 // * FOR_EACH holds the work of one item: `continue` ends it early, `return` does not; a BARRIER stands outside it;
 // * structs passed by value hold reals first, then 32-bit numbers, so that both compilers lay them out alike.
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
@@ -10,6 +11,7 @@
 #define DEVICE static __device__ __forceinline__
 #define GLOBAL
 #define LOCAL __shared__
+#define IN_LOCAL
 #define RESTRICT __restrict__
 
 typedef double real;
@@ -47,6 +49,7 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
 #define ATOMIC_OR(p, v) atomicOr((p), (u32)(v))
 #define ATOMIC_MAX(p, v) atomicMax((p), (u32)(v))
 #define BITS_OF(x) ((u64)__double_as_longlong(x))
+#define REAL_OF(bits) __longlong_as_double((long long)(bits))
 #define FLOAT_BITS(x) ((u32)__float_as_uint(x))
 // Place of the lowest bit that is set, of 64.
 #define LOWEST_BIT(x) ((u32)(__ffsll((long long)(x)) - 1))
@@ -66,6 +69,7 @@ DEVICE Quad LOAD(const Quad *p, size_t i) {
 #define DEVICE static inline
 #define GLOBAL __global
 #define LOCAL __local
+#define IN_LOCAL __local
 #define RESTRICT restrict
 
 typedef double real;
@@ -94,6 +98,7 @@ typedef double4 Quad;
 #define ATOMIC_OR(p, v) atomic_or((p), (u32)(v))
 #define ATOMIC_MAX(p, v) atomic_max((p), (u32)(v))
 #define BITS_OF(x) as_ulong((double)(x))
+#define REAL_OF(bits) as_double((u64)(bits))
 #define FLOAT_BITS(x) as_uint((float)(x))
 #define LOWEST_BIT(x) ((u32)(63u - clz((u64)(x) & (~(u64)(x) + 1u))))
 

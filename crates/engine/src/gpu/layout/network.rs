@@ -11,8 +11,8 @@ records! {
         /// Square of the relative error that is allowed.
         tolerance_squared: f64,
         particles: u32,
-        /// Partial sums: one for each chunk of particles.
-        chunks: u32,
+        /// Of the words to which chunks of particles add.
+        copies: u32,
         /// Prescribed temperatures stand behind those of walls,
         walls: u32,
         /// and outside values of exchanges behind those.
@@ -82,7 +82,7 @@ kernels! {
     /// Where an implicit step begins, and the square of its temperatures.
     begin as Begin(256, 4) {
         conduction: value Conduction, exposure: read u32, surfaces: read Surface, around: read f64,
-        capacity: read f64, temperature: read f64, end: write f64, partial: write f64,
+        capacity: read f64, temperature: read f64, end: write f64, sums: shared u32,
     }
     /// The system of an implicit step, and the residual of no change.
     assemble as Assemble(256, 4) {
@@ -91,19 +91,19 @@ kernels! {
         conductance: read f64,
         exposure: read u32, surfaces: read Surface, exchanges: read ExchangeOf, around: read f64, capacity: read f64,
         end: read f64, foreign: write f64, loss: write f64, held: write f64, diagonal: write f64, residual: write f64,
-        change: write f64, way: write f64, partial: write f64,
+        change: write f64, way: write f64, sums: shared u32,
     }
     /// What the matrix makes of the present way.
     multiply as Multiply(256, 6) {
         conduction: value Conduction, scalars: read Scalars,
         slice: read u64, contacts_end: read u32, bonds_end: read u32, walls_end: seldom u32, other: read u32,
         conductance: read f64, exposure: read u32, surfaces: read Surface,
-        held: read f64, way: read f64, product: write f64, partial: write f64,
+        held: read f64, way: read f64, product: write f64, sums: shared u32,
     }
     /// A part of the present way.
     advance as Advance(256, 6) {
         conduction: value Conduction, scalars: read Scalars, way: read f64, product: read f64, diagonal: read f64,
-        capacity: read f64, change: update f64, residual: update f64, partial: write f64,
+        capacity: read f64, change: update f64, residual: update f64, sums: shared u32,
     }
     /// The next way.
     turn as Turn(256, 6) {
@@ -120,11 +120,11 @@ kernels! {
         conductance: read f64, end: read f64, foreign: read f64, total: write f64,
     }
     /// One group: what the solution is measured by.
-    take_content as TakeContent(256, 1) { conduction: value Conduction, partial: read f64, scalars: shared Scalars }
+    take_content as TakeContent(256, 1) { conduction: value Conduction, sums: shared u32, scalars: shared Scalars }
     /// One group: how far to go.
-    take_work as TakeWork(256, 1) { conduction: value Conduction, partial: read f64, scalars: shared Scalars }
+    take_work as TakeWork(256, 1) { conduction: value Conduction, sums: shared u32, scalars: shared Scalars }
     /// One group: what is missing now, and whether that will do. Counts an iteration, or none before the first.
     take_squares as TakeSquares(256, 1) {
-        conduction: value Conduction, counted: value u32, partial: read f64, scalars: shared Scalars,
+        conduction: value Conduction, counted: value u32, sums: shared u32, scalars: shared Scalars,
     }
 }
