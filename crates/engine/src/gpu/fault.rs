@@ -1,5 +1,6 @@
 //! What the flags tell of, worked out on the host from what the device left.
 
+use super::bodies::is_held;
 use super::run::Gpu;
 use super::runtime::{Error, Runtime};
 use super::search::SLICE;
@@ -64,6 +65,7 @@ impl<R: Runtime> Gpu<R> {
         let other = self.queue.read(&self.rows.other, slots)?;
         let period = self.plan.domain.period();
         let place = self.queue.read(&self.halves[half].place, n)?;
+        let kind = self.queue.read(&self.fields.kind, n)?;
         let mut worst: Option<((u32, u32), f64)> = None;
         for i in 0..n {
             for k in slice[i / SLICE]..slice[i / SLICE + 1] {
@@ -80,7 +82,7 @@ impl<R: Runtime> Gpu<R> {
                 let overlap = touch_spheres(offset, radius_sum).overlap;
                 let pair = (rank[i].min(rank[j]), rank[i].max(rank[j]));
                 let too_much = overlap > 0.5 * self.plan.overlap_limit * radius_sum;
-                if too_much && worst.is_none_or(|(known, _)| pair < known) {
+                if too_much && !(is_held(kind[i]) && is_held(kind[j])) && worst.is_none_or(|(known, _)| pair < known) {
                     worst = Some((pair, 2.0 * overlap / radius_sum));
                 }
             }

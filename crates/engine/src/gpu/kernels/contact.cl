@@ -131,7 +131,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
             if (!(entry & TOUCHING))
                 other[SLOT(k, i)] = j | TOUCHING;
-            if (touch.overlap > step.overlap_limit * (body.radius + radius))
+            if (touch.overlap > step.overlap_limit * (body.radius + radius) && !BOTH_HELD(kind, i, j))
                 flags |= CRUSHED;
 #if MAKES_HEAT
             heat->made_at_contacts += half_of_heat(step, response.losses.friction, response.losses.damping);
