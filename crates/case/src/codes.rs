@@ -238,8 +238,9 @@ crate::codes! {
 
     /// Random insertion did not find room for all spheres.
     ///
-    /// Ask for fewer, or for a larger region. Random places run out at about 0.38 of the volume; denser packings come from
-    /// a lattice, or from letting particles settle.
+    /// Ask for fewer, or for a larger region. Places of equal spheres that are drawn one after the other run out at 0.384 of
+    /// the volume (random sequential addition; Zhang & Torquato, Phys. Rev. E 88 (2013) 053312), of unequal ones below
+    /// 0.62; more is refused before any is drawn. Denser packings come from a lattice, or from letting particles settle.
     error NO_ROOM = "tdem::case::no-room";
 
     /// Stiffness was given for a solid (`lattice`), but the bonds do not form the lattice for which it is known: a
@@ -268,6 +269,13 @@ crate::codes! {
     /// Look at the groups that the message shows, and at lengths, which are in metres. Where overlap is meant, say
     /// `allow_overlap = true` in the group.
     error OVERLAP = "tdem::case::overlap";
+
+    /// Particles overlap at the start by more than `contact.overlap_limit` of the mean radius of the pair, which stops a run
+    /// before its first step, whatever `allow_overlap` says.
+    ///
+    /// Move them apart. Only pairs of particles that are both fixed in all components, such as rough walls made of spheres,
+    /// may overlap as they like: nothing depends on the forces between them.
+    error OVERLAP_LIMIT = "tdem::case::overlap-limit";
 
     /// A group of particles has no source, or more than one.
     ///
@@ -305,6 +313,14 @@ crate::codes! {
     ///
     /// Repeat what that run's `case.toml` says of bonds and of the domain, or take its particles with `bonds = "anew"`.
     error RUN_BONDS = "tdem::case::run-bonds";
+
+    /// Contact histories of an earlier run, the tangential displacements of its friction springs, are dropped: the case does
+    /// not say what becomes of them, it has no wall of the name that a history belongs to, or the contact is open here. What
+    /// these springs held starts to slip until others have built up.
+    ///
+    /// Add `contacts = "carry"` to `[particles.run]` to transfer histories; walls are matched by name, and a wall that had
+    /// moved must stand where that run left it. Add `contacts = "anew"` if springs shall start unloaded.
+    warning RUN_HISTORIES = "tdem::case::run-histories";
 
     /// The materials of an earlier run have no counterpart here.
     ///
@@ -389,6 +405,12 @@ crate::codes! {
     /// Make `time.end` longer, which lowers the pace; or choose `heat.motion = "quasi-static"`. What a pace costs in accuracy
     /// `tdem ladder` tells.
     error TIME_SCALE = "tdem::case::time-scale";
+
+    /// The particles take more memory than the machine has: one copy of their state and what a run on the CPU computes with
+    /// are counted, without bonds.
+    ///
+    /// Look at the radius and the region, in metres; take fewer particles, a model without moments, or a larger machine.
+    error TOO_LITTLE_MEMORY = "tdem::case::too-little-memory";
 
     /// A group would have more particles than can be counted.
     ///

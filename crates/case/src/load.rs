@@ -53,8 +53,15 @@ pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[(String, Stri
     let fail = |problems| Problems::new(&source, problems);
 
     let tree = Node::parse(&effective).map_err(fail)?;
-    let structural = structure::check(&tree, &json_schema());
+    let (mut structural, repairs) = structure::check(&tree, &json_schema());
     if !structural.is_empty() {
+        // What else is wrong is told together with it, as far as that can be seen.
+        let mended = repairs.applied(&tree, &effective).and_then(|value| value.try_into::<Case>().ok());
+        if let Some(mut case) = mended {
+            let mut others = courses::settle(&mut case, &tree, base_dir);
+            others.extend(check::check(&case, &tree));
+            structural.extend(repairs.not_of_repairs(others));
+        }
         return Err(fail(structural));
     }
     let mut case: Case = toml::from_str(&effective).map_err(|e| {

@@ -11,11 +11,16 @@ use tdem_engine::physics::material::{Elastic, shear_modulus_eff, young_modulus_e
 /// Name of the built-in, infinitely stiff material of walls.
 pub(crate) const RIGID: &str = "rigid";
 
+/// Pairs without an interaction that a message lists.
+const MOST_PAIRS: usize = 20;
+
 /// Materials in the order of their indices: by name, the rigid one last.
 #[derive(Clone, Debug)]
 pub(crate) struct Materials {
     pub(crate) names: Vec<String>,
     pub(crate) elastic: Vec<Elastic>,
+    /// With the moduli of the materials that softened ones stand for.
+    pub(crate) original: Vec<Elastic>,
     /// Of what moves, so many times the true one as the masses are scaled, kg/m³; the rigid material has none.
     pub(crate) density: Vec<f64>,
     /// What they are to heat, by the mass that moves; the rigid material conducts nothing.
@@ -32,16 +37,23 @@ impl Materials {
             .values()
             .map(|m| Elastic { young_modulus: m.young_modulus.get(), poisson_ratio: m.poisson_ratio.get() })
             .collect();
+        let mut original: Vec<Elastic> = (case.material.values().zip(&elastic))
+            .map(|(m, &soft)| Elastic {
+                young_modulus: m.original_young_modulus.map_or(soft.young_modulus, crate::schema::Positive::get),
+                ..soft
+            })
+            .collect();
         let scaling = case.time.mass_scaling();
         let mut density: Vec<f64> = case.material.values().map(|m| scaling * m.density.get()).collect();
         let zero = case.heat.as_ref().map_or(0.0, |heat| heat.scale.zero());
         let mut thermal: Vec<Conducting> = case.material.values().map(|of| Conducting::of(of, zero, scaling)).collect();
         names.push(RIGID.to_owned());
         elastic.push(Elastic::RIGID);
+        original.push(Elastic::RIGID);
         density.push(f64::INFINITY);
         thermal.push(Conducting::nothing());
         let count = names.len();
-        let mut materials = Materials { names, elastic, density, thermal, given: vec![None; count * count] };
+        let mut materials = Materials { names, elastic, original, density, thermal, given: vec![None; count * count] };
         for (k, interaction) in case.interaction.iter().enumerate() {
             let [a, b] = interaction.between.each_ref().map(|name| usize::from(materials.index(name)));
             materials.given[a * count + b] = Some(k);
@@ -87,8 +99,12 @@ impl Materials {
         if missing.is_empty() {
             return Vec::new();
         }
-        let pairs: Vec<String> =
-            missing.iter().map(|&(a, b)| format!("[\"{}\", \"{}\"]", self.names[a], self.names[b])).collect();
+        let mut pairs: Vec<String> = (missing.iter().take(MOST_PAIRS))
+            .map(|&(a, b)| format!("[\"{}\", \"{}\"]", self.names[a], self.names[b]))
+            .collect();
+        if missing.len() > MOST_PAIRS {
+            pairs.push(format!("{} other pairs", missing.len() - MOST_PAIRS));
+        }
         let place = if case.interaction.is_empty() {
             tree.key_place(&["material", &self.names[missing[0].0]])
         } else {

@@ -84,7 +84,17 @@ fn set(document: &mut DocumentMut, path: &str, value: &str, problems: &mut Vec<P
     };
     let Some((last, parents)) = steps.split_last() else { return };
     let mut place = Place::Table(document.as_table_mut());
-    for step in parents {
+    for (depth, step) in steps.iter().enumerate() {
+        if step.parse::<usize>().is_err()
+            && let Some(entries) = place.entries()
+        {
+            let (list, rest) = (steps[..depth].join("."), steps[depth..].join("."));
+            problems.push(refused(path, value, &of_a_list(&list, &rest, value, &entries)));
+            return;
+        }
+        if depth == parents.len() {
+            break;
+        }
         match place.enter(step) {
             Ok(next) => place = next,
             Err(why) => {
@@ -111,6 +121,22 @@ impl<'d> Place<'d> {
             Item::ArrayOfTables(tables) => Ok(Place::Tables(tables)),
             Item::Value(Value::Array(array)) => Ok(Place::Array(array)),
             other => other.as_table_like_mut().map(Place::Table).ok_or(format!("`{step}` is not a table")),
+        }
+    }
+
+    /// What distinguishes the entries of a list; `None` for a table.
+    fn entries(&self) -> Option<Vec<String>> {
+        let told = |table: &dyn TableLike| {
+            let of =
+                |key: &str| table.get(key).and_then(Item::as_value).map(|value| value.to_string().trim().to_owned());
+            of("name").or(of("between")).or(of("material")).unwrap_or_default()
+        };
+        match self {
+            Place::Table(_) => None,
+            Place::Tables(tables) => Some(tables.iter().map(|table| told(table)).collect()),
+            Place::Array(array) => Some(
+                array.iter().map(|value| value.as_inline_table().map_or(String::new(), |table| told(table))).collect(),
+            ),
         }
     }
 
@@ -151,6 +177,20 @@ impl<'d> Place<'d> {
     }
 }
 
+/// What to write for an entry of a list, and which entries there are.
+fn of_a_list(list: &str, rest: &str, value: &str, entries: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let known: Vec<String> = (entries.iter().enumerate().take(SHOWN))
+        .filter(|(_, name)| !name.is_empty())
+        .map(|(k, name)| format!("{k} is {name}"))
+        .collect();
+    let known = if known.is_empty() { String::new() } else { format!(" ({})", known.join(", ")) };
+    format!(
+        "`{list}` is a list of {}, counted from 0{known}: name one of them, such as --set {list}.0.{rest}={value}",
+        if entries.len() == 1 { "1 entry".to_owned() } else { format!("{} entries", entries.len()) }
+    )
+}
+
 fn index(step: &str, length: usize) -> Result<usize, String> {
     match step.parse::<usize>() {
         Ok(index) if index < length => Ok(index),
@@ -189,6 +229,19 @@ mod tests {
         let table = applied(&[("time.step", "auto"), ("size", "big"), ("particles.0.a", "5")]).unwrap();
         assert_eq!(table["time"]["step"].as_str(), Some("auto"));
         assert_eq!(table["particles"][0]["a"].as_integer(), Some(5));
+    }
+
+    #[test]
+    fn a_key_of_a_list_says_how_to_name_an_entry() {
+        let case = "[[interaction]]\nbetween = ['a', 'b']\n[[interaction]]\nbetween = ['a', 'rigid']\n";
+        let set = |path: &str| apply(case, &[(path.to_owned(), "0.4".to_owned())]);
+        let said = set("interaction.static_friction").unwrap_err()[0].message.clone();
+        for part in ["a list of 2 entries", "1 is ['a', 'rigid']", "--set interaction.0.static_friction=0.4"] {
+            assert!(said.contains(part), "`{part}` is not in: {said}");
+        }
+        assert!(set("interaction.1.static_friction").is_ok());
+        let said = set("interaction.1.between.x").unwrap_err()[0].message.clone();
+        assert!(said.contains("`interaction.1.between` is a list of 2 entries"), "{said}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What is wrong with a case, and where.
 
 use crate::code::Code;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
@@ -61,6 +62,9 @@ impl Problem {
     }
 }
 
+/// Problems of one code that are told; of more, their number.
+const MOST_OF_A_CODE: usize = 20;
+
 /// All problems of a case at once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems {
@@ -74,6 +78,18 @@ impl Problems {
     pub(crate) fn new(source: &Source, mut problems: Vec<Problem>) -> Self {
         let place = |problem: &Problem| problem.labels.first().map_or(0, |label| label.span.start);
         problems.sort_by_key(|problem| (problem.severity == Severity::Warning, place(problem)));
+        let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
+        problems.retain(|problem| {
+            let count = counts.entry(problem.code).or_insert(0);
+            *count += 1;
+            *count <= MOST_OF_A_CODE
+        });
+        for (code, count) in counts.into_iter().filter(|(_, count)| *count > MOST_OF_A_CODE) {
+            // The last of them that is told says how many more there are.
+            if let Some(last) = problems.iter_mut().rfind(|problem| problem.code == code) {
+                last.message += &format!(" (and {} more with this code)", count - MOST_OF_A_CODE);
+            }
+        }
         Problems { source: source.clone(), problems }
     }
     /// Whether any of them keeps the case from running.

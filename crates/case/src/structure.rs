@@ -1,15 +1,20 @@
 //! Checks a file against the schema: keys, types, ranges, choices. Finds everything at once, which `serde` cannot.
 
 use crate::codes;
+use crate::habits::instead;
 use crate::problem::Problem;
-use crate::tree::{Node, Value};
+use crate::repair::{Repair, Repairs};
+use crate::tree::{Key, Node, Value};
 use serde_json::Value as Json;
 
-/// All structural problems of a tree.
-pub(crate) fn check(tree: &Node, schema: &Json) -> Vec<Problem> {
-    let mut checker = Checker { root: schema, problems: Vec::new() };
+/// Unknown keys for which the nearest word is looked for; more are shown without one.
+const MOST_SUGGESTIONS: usize = 1000;
+
+/// All structural problems of a tree, and what would mend it well enough for the checks that follow.
+pub(crate) fn check(tree: &Node, schema: &Json) -> (Vec<Problem>, Repairs) {
+    let mut checker = Checker { root: schema, problems: Vec::new(), repairs: Repairs::default() };
     checker.node(tree, schema, "", None);
-    checker.problems
+    (checker.problems, checker.repairs)
 }
 
 /// Which of some words an unknown one may have meant.
@@ -45,6 +50,7 @@ pub(crate) fn suggestion(unknown: &str, words: &[&str]) -> String {
 struct Checker<'s> {
     root: &'s Json,
     problems: Vec<Problem>,
+    repairs: Repairs,
 }
 
 impl<'s> Checker<'s> {
@@ -74,13 +80,25 @@ impl<'s> Checker<'s> {
                     let message = format!("`{path}` is {value}, more than {}", u32::MAX);
                     let problem = Problem::new(codes::OUT_OF_RANGE, message);
                     self.problems.push(problem.at(node.span.clone(), "too large"));
+                    self.replace(node, schema);
                 }
                 self.range(node, *value as f64, schema, path, unit);
             }
             (Value::Integer(value), "number") => self.range(node, *value as f64, schema, path, unit),
             (Value::Float(value), "number") => self.range(node, *value, schema, path, unit),
             (Value::String(_), "string") | (Value::Boolean, "boolean") => {}
-            _ => self.wrong_type(node, &self.describe(schema, unit), path),
+            _ => {
+                self.wrong_type(node, &self.describe(schema, unit), path);
+                self.replace(node, schema);
+            }
+        }
+    }
+
+    /// Puts a value that the schema allows in the place of one that it does not, for the checks that follow.
+    fn replace(&mut self, node: &Node, schema: &Json) {
+        match stand_in(schema) {
+            Some(value) => self.repairs.add(&node.span, Repair::Replace(value)),
+            None => self.repairs.give_up(),
         }
     }
 
@@ -113,6 +131,7 @@ impl<'s> Checker<'s> {
             (Some(one), None) | (None, Some(one)) => one,
             (None, None) => "finite".to_owned(),
         };
+        self.replace(node, schema);
         let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
         self.problems.push(
             Problem::new(codes::OUT_OF_RANGE, format!("`{path}` is {value}{unit}, but must be {allowed}{unit}"))
@@ -124,6 +143,7 @@ impl<'s> Checker<'s> {
         let length = |key: &str| schema.get(key).and_then(Json::as_u64).map(|n| n as usize);
         let (least, most) = (length("minItems").unwrap_or(0), length("maxItems").unwrap_or(usize::MAX));
         if items.len() < least || items.len() > most {
+            self.repairs.give_up();
             let allowed = if least == most { format!("{least}") } else { format!("at least {least}") };
             self.problems.push(
                 Problem::new(
@@ -154,17 +174,19 @@ impl<'s> Checker<'s> {
                 Some(Json::Bool(true)) => {}
                 _ => {
                     let known: Vec<&str> = properties.map_or(Vec::new(), |p| p.keys().map(String::as_str).collect());
-                    self.problems.push(
-                        Problem::new(codes::UNKNOWN_KEY, format!("unknown key `{}`", join(&key.name)))
-                            .at(key.span.clone(), "not a key of this table")
-                            .help(suggestion(&key.name, &known)),
-                    );
+                    let problem = Problem::new(codes::UNKNOWN_KEY, format!("unknown key `{}`", join(&key.name)))
+                        .at(key.span.clone(), "not a key of this table");
+                    self.unknown(problem, key, &known, entries);
                 }
             }
         }
         let required = schema.get("required").and_then(Json::as_array).into_iter().flatten().filter_map(Json::as_str);
         for key in required.filter(|key| !entries.iter().any(|(present, _)| present.name == *key)) {
             let inner = properties.and_then(|p| p.get(key));
+            match inner.and_then(|inner| stand_in(self.resolve(inner))).filter(|value| !value.is_str()) {
+                Some(value) => self.repairs.add(&node.span, Repair::Insert(key.to_owned(), value)),
+                None => self.repairs.give_up(),
+            }
             let what = inner.and_then(|i| i.get("description")).and_then(Json::as_str).unwrap_or_default();
             let example = inner.map(|i| self.example(i)).unwrap_or_default();
             let add = match example {
@@ -222,6 +244,11 @@ impl<'s> Checker<'s> {
         {
             return;
         }
+        let value = options.iter().find_map(|option| stand_in(self.resolve(option)));
+        match value {
+            Some(value) => self.repairs.add(&node.span, Repair::Replace(value)),
+            None => self.repairs.give_up(),
+        }
         let expected: Vec<String> = options.iter().map(|option| self.describe(option, unit)).collect();
         self.wrong_type(node, &expected.join(" or "), path);
     }
@@ -239,7 +266,36 @@ impl<'s> Checker<'s> {
         }
     }
 
+    /// An unknown key: what may have been meant, or what stands in its place.
+    fn unknown(&mut self, problem: Problem, key: &Key, known: &[&str], entries: &[(Key, Node)]) {
+        let told = self.problems.len() < MOST_SUGGESTIONS;
+        let meant = if told { nearest(&key.name, known.iter().copied()) } else { None };
+        let free = |word: &str| !entries.iter().any(|(other, _)| other.name == word);
+        let instead = instead(&key.name);
+        let help = match instead {
+            _ if !told => None,
+            Some(instead) => Some(instead.to_owned()),
+            None => Some(suggestion(&key.name, known)),
+        };
+        let repair = match meant.filter(|word| instead.is_none() && free(word)) {
+            Some(word) => Repair::Rename(word.to_owned()),
+            None => Repair::Remove,
+        };
+        self.repairs.add(&key.span, repair);
+        self.problems.push(match help {
+            Some(help) => problem.help(help),
+            None => problem,
+        });
+    }
+
     fn choice(&mut self, node: &Node, words: &[&str], path: &str) {
+        let given = if let Value::String(text) = &node.value { text.as_str() } else { "" };
+        if !words.contains(&given) {
+            match nearest(given, words.iter().copied()).or(words.first().copied()) {
+                Some(word) => self.repairs.add(&node.span, Repair::Replace(toml::Value::String(word.to_owned()))),
+                None => self.repairs.give_up(),
+            }
+        }
         let Value::String(text) = &node.value else {
             self.wrong_type(node, &format!("one of {}", listed(words.iter().copied())), path);
             return;
@@ -250,6 +306,8 @@ impl<'s> Checker<'s> {
                 Problem::new(codes::UNKNOWN_CHOICE, message).at(node.span.clone(), "not one of the choices");
             if let Some(word) = nearest(text, words.iter().copied()) {
                 problem = problem.help(format!("did you mean `{word}`?"));
+            } else if let Some(instead) = instead(text) {
+                problem = problem.help(instead);
             }
             self.problems.push(problem);
         }
@@ -289,5 +347,22 @@ impl<'s> Checker<'s> {
             },
             _ => "a table".to_owned(),
         }
+    }
+}
+
+/// Some value that a schema of a number, a choice or a truth allows.
+fn stand_in(schema: &Json) -> Option<toml::Value> {
+    let bound = |key: &str| schema.get(key).and_then(Json::as_f64);
+    let fits = |value: &f64| {
+        bound("minimum").is_none_or(|b| *value >= b)
+            && bound("exclusiveMinimum").is_none_or(|b| *value > b)
+            && bound("maximum").is_none_or(|b| *value <= b)
+    };
+    let number = || [1.0, 0.25].into_iter().chain(bound("minimum")).chain(bound("maximum")).find(fits);
+    match schema.get("type").and_then(Json::as_str)? {
+        "number" => number().map(toml::Value::Float),
+        "integer" => number().map(|value| toml::Value::Integer(value as i64)),
+        "boolean" => Some(toml::Value::Boolean(false)),
+        _ => None,
     }
 }

@@ -359,3 +359,36 @@ fn who_is_held_at_a_temperature_limits_no_step() {
     let [behind, held] = ["", "depth = 0.0\n"].map(|tail| find(tail).expect("the heat limits the step"));
     assert!(held > 1.2 * behind, "{held} {behind}");
 }
+
+#[test]
+fn spots_of_softened_materials_conduct_like_those_of_the_true_one_and_bonds_as_before() {
+    let heat_of = |words: &[(&str, &str)]| build_with(words, HEAT).plan.heat.expect("the plan has heat");
+    let stated =
+        ("young_modulus = 23.2e9\npoisson", "young_modulus = 23.2e6\noriginal_young_modulus = 23.2e9\npoisson");
+    let softened = ("young_modulus = 23.2e9\npoisson", "young_modulus = 23.2e6\npoisson");
+    let circle = ("contacts = \"bar\"", "contacts = \"circle\"");
+    let (before, after) = (heat_of(&[softened, circle]), heat_of(&[stated, circle]));
+    let [before, after] = [&before, &after].map(|heat| *heat.conductor(0, 0));
+    // A thousandth of the modulus, ten times the contact radius.
+    assert!((after.conductivity / before.conductivity - 0.1).abs() < 1e-15);
+    let bond = |of: tdem_engine::physics::heat::Conductor<f64>| bar(&of, 0.01, 0.01);
+    assert!((bond(after) / bond(before) - 1.0).abs() < 1e-15);
+    // Bars have a section of their own.
+    assert_eq!(heat_of(&[stated]).conductors, heat_of(&[softened]).conductors);
+}
+
+#[test]
+fn a_surface_says_how_large_it_is_or_which_face_it_has() {
+    let surface = |keys: &str| format!("{HEAT}[[surface]]\nof = \"block\"\n{keys}flux = 1000.0\n");
+    let text = format!("{HEAD}{}", surface(""));
+    let problems = parse("case.toml", &text, Path::new("."), &[]).expect_err("all of the block is no face");
+    assert_eq!(problems.problems[0].code, "tdem::case::missing-key");
+    assert!(problems.problems[0].help.as_deref().expect("there is help").contains("area = ... in m²"));
+    let extent = |keys: &str| build(&surface(keys)).surfaces[0];
+    // A face of 3 by 3 cells has 18 particles, and half the square of the lattice constant of each.
+    let face = extent("face = \"+z\"\n");
+    assert_eq!(face.particles, 18);
+    assert!((face.area / (9.0 * constant() * constant()) - 1.0).abs() < 1e-12, "{}", face.area);
+    let given = extent("area = 0.25\ndepth = 0.001\n");
+    assert_eq!((given.particles, given.area, given.depth), (108, 0.25, 0.001));
+}

@@ -1,5 +1,6 @@
 //! Cases, read and built for the commands.
 
+use crate::memory;
 use crate::render::{Report, Reports};
 use std::path::Path;
 use tdem_case::schema::{Field, Picture};
@@ -36,7 +37,7 @@ fn with(set: &[(String, String)]) -> String {
 
 /// Builds a case; other runs that it begins from are read.
 pub(crate) fn build(loaded: &Loaded) -> Result<Built, Reports> {
-    Ok(loaded.build_with(&run)?)
+    Ok(loaded.build_within(&run, memory::total())?)
 }
 
 /// Reads the final state of another run.

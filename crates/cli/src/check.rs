@@ -8,8 +8,8 @@ use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use tdem_case::schema::{Damping, Precision};
-use tdem_case::{Built, Loaded, StepLimits};
+use tdem_case::schema::{Damping, Precision, Surface};
+use tdem_case::{Built, Loaded, StepLimits, SurfaceExtent};
 use tdem_engine::State;
 
 #[derive(Args, Debug)]
@@ -45,6 +45,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     text += &summary::masses(&loaded);
     text += &consequences(&loaded);
     text += &summary::heat(&built);
+    text += &surfaces(&loaded, &built);
     text += &schedule(&built);
     text += &limits(&built.limits);
     data(text.trim_end())?;
@@ -89,6 +90,36 @@ fn bonds(state: &State, materials: &[&str]) -> String {
         text += &entry("", format!("{} of {} and {}", grouped(count), name(a), name(b)));
     }
     text
+}
+
+/// How large surfaces are, and what acts through them.
+fn surfaces(loaded: &Loaded, built: &Built) -> String {
+    let line = |(surface, extent): (&Surface, &SurfaceExtent)| {
+        let name = match (&surface.name, &surface.of) {
+            (name, _) if !name.is_empty() => format!("{name}: "),
+            (_, Some(of)) => format!("of {of}: "),
+            _ => String::new(),
+        };
+        let mut parts = vec![counted(extent.particles as u64, "particle")];
+        if extent.area > 0.0 {
+            parts.push(format!("{} m²", number(extent.area, 5)));
+        }
+        parts.push(format!("depth {} m", number(extent.depth, 4)));
+        if surface.temperature.is_some() {
+            parts.push("temperature held".to_owned());
+        }
+        if surface.flux.is_some() {
+            parts.push("flux prescribed".to_owned());
+        }
+        if let Some(convection) = &surface.convection {
+            parts.push(format!("coefficient {} W/(m² K)", short(convection.coefficient.get())));
+        }
+        if let Some(radiation) = &surface.radiation {
+            parts.push(format!("emissivity {}", short(radiation.emissivity.get())));
+        }
+        entry("surface", format!("{name}{}", parts.join(", ")))
+    };
+    loaded.case.surface.iter().zip(&built.surfaces).map(line).collect()
 }
 
 /// What scaled masses do and do not change.

@@ -293,6 +293,12 @@ tdem_case::codes! {
     /// Please report it with the case.
     error INCONSISTENT = "tdem::run::inconsistent";
 
+    /// In some row of the history a pair of particles overlapped by 5 % of its mean radius or more. The law of contact is one of
+    /// small overlaps: with more, contacts are too soft, contact spots too large, and the volume of what overlaps is lost.
+    ///
+    /// Raise `young_modulus`, or lower what presses the particles together. Where only the way to rest is soft, it is harmless.
+    warning LARGE_OVERLAP = "tdem::run::large-overlap";
+
     /// The list of neighbours would be longer than 32 bits can count.
     ///
     /// Take fewer particles, or a smaller `search.skin`. Sizes that differ greatly make lists long.

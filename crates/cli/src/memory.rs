@@ -26,9 +26,21 @@ pub(crate) fn free() -> Option<u64> {
     available(&std::fs::read_to_string("/proc/meminfo").ok()?)
 }
 
-/// The same, in the words of Linux.
+/// Memory of the machine, or of the part of it that this process may use, bytes, where the system tells.
+pub(crate) fn total() -> Option<u64> {
+    let machine = entry(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemTotal:")?;
+    let group = std::fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
+    let allowed = group.and_then(|limit| limit.trim().parse::<u64>().ok());
+    Some(machine.min(allowed.unwrap_or(u64::MAX)))
+}
+
 fn available(meminfo: &str) -> Option<u64> {
-    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    entry(meminfo, "MemAvailable:")
+}
+
+/// A line of what Linux tells, bytes.
+fn entry(meminfo: &str, name: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix(name))?;
     Some(1024 * line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?)
 }
 

@@ -87,6 +87,9 @@ pub(crate) struct Ended<'a> {
     pub(crate) particles: usize,
     pub(crate) took: Duration,
     pub(crate) last: Option<&'a Progress>,
+    /// The largest overlap in all rows of the history, those of earlier processes included, over the mean radius of a
+    /// pair, and its time, s.
+    pub(crate) overlap: Option<[f64; 2]>,
     /// Files of curves.
     pub(crate) curves: &'a [PathBuf],
 }
@@ -102,7 +105,7 @@ pub(crate) fn after(ended: &Ended<'_>) -> String {
     let _ = writeln!(text, ": {} in {}, results written.", counted(steps, "step"), clock(ended.took));
     text += &entry("rate", format!("{} particle-steps/s", number(cundall, 3)));
     if let Some(last) = ended.last {
-        text += &ledger(&last.ledger);
+        text += &ledger(&last.ledger, ended.overlap);
         if last.ledger_step != ended.step {
             text += &entry("", format!("as of step {}", grouped(last.ledger_step)));
         }
@@ -111,14 +114,14 @@ pub(crate) fn after(ended: &Ended<'_>) -> String {
 }
 
 /// Energies and measures.
-fn ledger(ledger: &Ledger) -> String {
+fn ledger(ledger: &Ledger, overlap: Option<[f64; 2]>) -> String {
     let mut text = entry(
         "contacts",
         format!("{} between particles, {} with walls", grouped(ledger.contacts), grouped(ledger.wall_contacts)),
     );
-    if ledger.contacts > 0 {
-        let overlap = number(100.0 * ledger.largest_overlap, 3);
-        text += &entry("overlap", format!("at most {overlap} % of the mean radius of a pair"));
+    if let Some([largest, time]) = overlap.filter(|[largest, _]| *largest > 0.0) {
+        let (percent, time) = (number(100.0 * largest, 3), short(time));
+        text += &entry("overlap", format!("at most {percent} % of the mean radius of a pair, at t = {time} s"));
     }
     let unbalanced = match ledger.contacts + ledger.wall_contacts {
         0 => String::new(),

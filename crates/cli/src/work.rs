@@ -78,6 +78,10 @@ impl Work<'_> {
         }
         let path = self.directory.path().to_owned();
         let finished = matches!(outcome, Ok(Outcome::Finished { .. }));
+        let overlap = largest_overlap(&path);
+        if let Some([largest, time]) = overlap.filter(|[largest, _]| finished && *largest >= LARGE_OVERLAP) {
+            render::warn(&Report::new(codes::LARGE_OVERLAP, large_overlap(largest, time)).into());
+        }
         let curves = if finished { draw(&path, &cases::curves(&self.loaded.case)) } else { Vec::new() };
         let hashed = if finished && self.arguments.hash { Some(load_final_state(&path)?.state) } else { None };
         if let Some(state) = &hashed {
@@ -98,6 +102,7 @@ impl Work<'_> {
                         particles,
                         took,
                         last: last.as_ref(),
+                        overlap,
                         curves: &curves,
                     }));
                     if step < self.of_case.steps {
@@ -140,6 +145,28 @@ impl Work<'_> {
         }
         Ok(())
     }
+}
+
+/// Overlap over the mean radius of a pair from which on it is warned of: the contact radius is then 0.16 of the radius, no
+/// longer small.
+const LARGE_OVERLAP: f64 = 0.05;
+
+/// The largest overlap in the rows of a run's history and its time, if it has rows.
+fn largest_overlap(run: &Path) -> Option<[f64; 2]> {
+    let column = |name| curve::history_column(run, name).ok();
+    let rows = column("largest_overlap")?.into_iter().zip(column("time")?);
+    rows.filter(|(overlap, _)| overlap.is_finite())
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(overlap, time)| [overlap, time])
+}
+
+/// That spheres overlapped more than a law of small overlaps is for.
+fn large_overlap(largest: f64, time: f64) -> String {
+    format!(
+        "particles overlapped by up to {} % of the mean radius of a pair, at t = {} s",
+        number(100.0 * largest, 3),
+        short(time)
+    )
 }
 
 /// That heat went on although particles were not at rest.

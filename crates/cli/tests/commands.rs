@@ -152,7 +152,11 @@ fn codes_are_explained() {
     assert!(one.starts_with("error tdem::case::through-wall\n\n") && one.contains("normal of a wall"), "{one}");
     let both = room.tdem(&["explain", "overlap"]).exits(0).out;
     assert!(both.contains("tdem::case::overlap") && both.contains("tdem::run::overlap"), "{both}");
-    room.tdem(&["explain", "wall"]).exits(1).complains(&["tdem::cli::unknown-code", "tdem explain"]);
+    let by_word = room.tdem(&["explain", "behind", "wall"]).exits(0).out;
+    assert!(by_word.contains("tdem::case::through-wall") && !by_word.contains("tdem::results::locked"), "{by_word}");
+    let instead = room.tdem(&["explain", "stl"]).exits(0).out;
+    assert!(instead.contains("no meshes") && instead.contains("[[box]]"), "{instead}");
+    room.tdem(&["explain", "mushroom"]).exits(1).complains(&["tdem::cli::unknown-code", "tdem explain"]);
 }
 
 const ROCK: &str = r#"

@@ -43,7 +43,8 @@ pub struct HeatPlan {
 pub struct ThermalTables {
     /// $\lambda(T)$, W/(m K), `(materials)`. A pair conducts with both values at its mean temperature, a particle at a wall
     /// at theirs, and what lies before the centre of a particle at a surface at that of the particle; then all
-    /// [`HeatPlan::conductors`] have a conductivity of 1, and all exchanges are those through material of that conductivity.
+    /// [`HeatPlan::conductors`] have a conductivity of 1, or with [`Path::Circle`] what corrects the contact radius, and all
+    /// exchanges are those through material of conductivity 1.
     pub conductivity: Vec<Table>,
     /// $c(T)$, J/(kg K), `(materials)`, in the place of [`Thermal::specific_heat`].
     pub specific_heat: Vec<Table>,
@@ -282,7 +283,9 @@ impl HeatPlan {
             && self.materials.iter().all(|m| positive(m.specific_heat) && m.expansion.is_finite())
             && self.conductors.len() == plan.materials * plan.materials
             && self.tables.are_sound(plan.materials)
-            && (self.tables.conductivity.is_empty() || self.conductors.iter().all(|c| c.conductivity == 1.0))
+            && (self.tables.conductivity.is_empty()
+                || self.contacts == Path::Circle
+                || self.conductors.iter().all(|c| c.conductivity == 1.0))
             && self.conductors.iter().all(|c| not_negative(c.conductivity) && not_negative(c.section))
             && exchanges().all(|(Exchange { flux_area, conductance, radiation, resistance }, around)| {
                 [flux_area, conductance, radiation, resistance].iter().all(|&&number| not_negative(number))

@@ -157,7 +157,7 @@ fn together(sums: &[ExactSum]) -> f64 {
 pub(crate) fn elastic_energy(state: &State, plan: &Plan) -> f64 {
     let [normal, tangential, _] = tally(state.contacts.len(), |k| of_pair(state, plan, &state.contacts[k])).0;
     let [wall_normal, wall_tangential] = accumulate(state.wall_contacts.len(), |k| {
-        let [normal, tangential, ..] = at_wall(state, plan, &state.wall_contacts[k]);
+        let ([normal, tangential, ..], _) = at_wall(state, plan, &state.wall_contacts[k]);
         [normal, tangential]
     });
     let [bonds] = accumulate(state.bonds.len(), |k| [of_bond(state, plan, k)[0]]);

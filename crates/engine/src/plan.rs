@@ -124,6 +124,13 @@ pub struct Wall {
     pub material: u16,
 }
 
+impl Wall {
+    /// Whether it stays where it is.
+    pub(crate) fn rests(&self) -> bool {
+        self.velocity == [0.0; 3]
+    }
+}
+
 /// Components of motion that forces do not govern, and a force that is applied from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constraint {
@@ -235,6 +242,18 @@ impl Piece {
 }
 
 impl Plan {
+    /// Whether a constraint keeps particles where they are, and from turning where the law lets them turn. Between two such
+    /// particles no overlap is too large.
+    #[must_use]
+    pub fn holds(&self, constraint: usize) -> bool {
+        let still = |components: &[Option<f64>; 3]| components.iter().all(|component| *component == Some(0.0));
+        let driven =
+            self.ramps.iter().any(|ramp| usize::from(ramp.constraint) == constraint && ramp.drives != Driven::Force);
+        self.constraints.get(constraint).is_some_and(|held| {
+            !driven && still(&held.velocity) && (!self.law.moments || still(&held.angular_velocity))
+        })
+    }
+
     /// Whether every ramp drives what there is.
     pub(crate) fn ramps_are_sound(&self) -> bool {
         self.ramps.iter().all(|ramp| {

@@ -181,6 +181,7 @@ impl State {
         check(self.accounts.is_empty() || self.accounts.len() == n, "energy accounts are for all particles or none")?;
         check(self.material.iter().all(|&m| usize::from(m) < plan.materials), "every material is in the plan")?;
         check(plan.interactions.len() == plan.materials * plan.materials, "every pair of materials has parameters")?;
+        check(plan.constraints.len() <= 1 << 15, "there are at most 32,768 constraints")?;
         check(
             self.constraint.iter().all(|&c| usize::from(c) < plan.constraints.len()),
             "every constraint is in the plan",

@@ -684,3 +684,45 @@ fn faults_are_those_of_the_cpu() {
         assert!(matches!(faults(&state, &plan), Fault::Temperature { .. }));
     }
 }
+
+#[test]
+fn spheres_that_are_all_fixed_may_overlap_as_they_like() {
+    let held = |turning: Option<f64>| Constraint {
+        velocity: [Some(0.0); 3],
+        angular_velocity: [turning; 3],
+        ..Constraint::FREE
+    };
+    for (integrator, ledger) in
+        [(Integrator::VelocityVerlet, false), (Integrator::VelocityVerlet, true), (Integrator::Gear, false)]
+    {
+        let (mut state, mut plan) = scene(Law::GNTM, integrator, 2.0);
+        plan.ledger = ledger;
+        if !ledger {
+            state.accounts.clear();
+        }
+        let [fixed, turns] = [0, 1].map(|k| (plan.constraints.len() + k) as u16);
+        plan.constraints.extend([held(Some(0.0)), held(None)]);
+        // Two spheres almost in the same place, far less apart than the limit allows.
+        state.position[1] = state.position[0];
+        state.position[1][0] += 0.2 * state.radius[0];
+        let mut outcome = |constraints: [u16; 2]| {
+            state.constraint[0] = constraints[0];
+            state.constraint[1] = constraints[1];
+            let [on_cpu, on_device] = [cpu(), gpu()].map(|device| run(&state, &plan, device, 3));
+            match (on_cpu, on_device) {
+                (Ok(on_cpu), Ok(on_device)) => {
+                    assert_same(&on_device, &on_cpu, &format!("{integrator:?} {constraints:?}"));
+                    true
+                }
+                (on_cpu, on_device) => {
+                    let [on_cpu, on_device] = [on_cpu, on_device].map(|outcome| outcome.map(|state| state.step));
+                    assert_eq!(on_device, on_cpu);
+                    assert!(matches!(on_cpu, Err(Fault::Overlap { .. })), "{on_cpu:?}");
+                    false
+                }
+            }
+        };
+        assert!(outcome([fixed, fixed]), "{integrator:?}, ledger {ledger}: both are fixed");
+        assert!(!outcome([fixed, turns]) && !outcome([0, fixed]), "one of them turns, or moves");
+    }
+}

@@ -80,6 +80,16 @@ pub(crate) fn find(path: &Path, history: &str, curve: &Curve) -> Result<Found, E
     Ok(Found { points, titles: [x_title, y_title] })
 }
 
+/// The numbers of a column of a run's history, one for each row; NaN where a row is cut off.
+///
+/// # Errors
+/// [`Error::NoColumn`], and whatever the file system says.
+pub fn history_column(run: &Path, name: &str) -> Result<Vec<f64>, Error> {
+    let path = run.join(HISTORY);
+    let text = fs::read_to_string(&path).context(Action::Read, &path)?;
+    column(&text, name).ok_or(Error::NoColumn { column: name.to_owned(), path })
+}
+
 /// The numbers of a column; rows that are cut off have none.
 fn column(history: &str, name: &str) -> Option<Vec<f64>> {
     let mut lines = history.lines();

@@ -35,6 +35,7 @@ pub(super) fn place(
             "paths are relative to the folder of the case",
         )]
     })?;
+    context.room_for(group, text.lines().count() as f64).map_err(|problem| vec![problem])?;
     let names: Vec<String> = context.loaded.case.material.keys().cloned().collect();
     let table = Table { names: &names, needs_material: particles.material.is_none() };
     table.read(&text).map_err(|faults| {

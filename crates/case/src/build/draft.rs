@@ -1,18 +1,15 @@
 //! A state in the making.
 
 use super::Context;
+use super::histories::Histories;
 use crate::codes;
-use crate::problem::{Problem, counted, number};
+use crate::problem::{Problem, counted};
 use crate::rng::{Stream, uniform4};
 use crate::schema::Particles;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 use tdem_engine::physics::Vec3;
-use tdem_engine::{Bond, BondHistory, BondPlan, Contact, Domain, Plan, State};
-
-/// More particles than any machine holds, and fewer than there are ids: a slip in a length is found before it fills the
-/// memory.
-pub(super) const MOST_PARTICLES: u64 = 1 << 28;
+use tdem_engine::{Bond, BondHistory, BondPlan, Domain, Plan, State};
 
 /// What a source of particles gives. Empty vectors leave the rest to the group's keys.
 #[derive(Clone, Debug, Default)]
@@ -25,8 +22,8 @@ pub(super) struct Spheres {
     pub(super) material: Vec<u16>,
     /// K.
     pub(super) temperature: Vec<f64>,
-    /// Histories of pairs that already touch.
-    pub(super) contacts: Vec<Contact>,
+    /// Friction springs of what already touches.
+    pub(super) histories: Histories,
     /// Bonds that go on, with what they refer to; of other spheres all of this is empty.
     pub(super) carried: Carried,
 }
@@ -56,7 +53,6 @@ impl Spheres {
     pub(super) fn kept(self, marks: &[bool]) -> Self {
         let id = kept(&self.id, marks);
         let left: HashSet<u32> = id.iter().copied().collect();
-        let contacts = self.contacts.into_iter().filter(|c| left.contains(&c.first) && left.contains(&c.second));
         let of = self.carried;
         let whole: Vec<bool> = of.bonds.iter().map(|b| left.contains(&b.first) && left.contains(&b.second)).collect();
         let carried = Carried {
@@ -72,7 +68,7 @@ impl Spheres {
             angular_velocity: kept(&self.angular_velocity, marks),
             material: kept(&self.material, marks),
             temperature: kept(&self.temperature, marks),
-            contacts: contacts.collect(),
+            histories: self.histories.kept(&left),
             carried,
             id,
         }
@@ -84,9 +80,7 @@ impl Spheres {
         ascending.sort_unstable();
         let new = |id: u32| (first + ascending.partition_point(|&other| other < id) as u64) as u32;
         self.id.iter_mut().for_each(|id| *id = new(*id));
-        for contact in &mut self.contacts {
-            (contact.first, contact.second) = (new(contact.first), new(contact.second));
-        }
+        self.histories = self.histories.renumbered(new);
         for bond in &mut self.carried.bonds {
             (bond.first, bond.second) = (new(bond.first), new(bond.second));
         }
@@ -101,6 +95,8 @@ pub(super) struct Draft {
     pub(super) group: Vec<u16>,
     /// Bonds of other runs that go on, and what they remember if the form of bonds remembers.
     pub(super) carried: Vec<(Bond, BondHistory)>,
+    /// Contact histories of other runs, with the group whose particles have them.
+    pub(super) histories: Vec<(u16, Histories)>,
     next_id: u64,
 }
 
@@ -114,17 +110,18 @@ impl Draft {
         spheres: Spheres,
     ) -> Result<(), Problem> {
         let count = spheres.position.len();
+        context.room_for(index, (self.state.len() + count) as f64)?;
         let needed = self.next_id + count as u64;
         // A run's ids are kept if all are free; a table's ids are the user's.
         let taken = group.run.is_some() && spheres.id.iter().any(|&id| u64::from(id) < self.next_id);
         if needed > u64::from(u32::MAX) && (spheres.id.is_empty() || taken) {
-            return Err(too_many(context, index, needed as f64));
+            return Err(no_ids(context, index, needed));
         }
         let spheres = if taken { spheres.renumbered(self.next_id) } else { spheres };
         let material = group.material.as_deref().map(|name| context.materials.index(name));
         let seed = context.loaded.case.seed;
         let state = &mut self.state;
-        state.contacts.extend(spheres.contacts);
+        self.histories.push((index as u16, spheres.histories));
         let carried = spheres.carried;
         let histories = carried.histories.into_iter().chain(std::iter::repeat(BondHistory::default()));
         self.carried.extend(carried.bonds.into_iter().zip(histories));
@@ -200,7 +197,6 @@ impl Draft {
                 ..state
             };
         }
-        state.contacts.sort_unstable_by_key(|contact| (contact.first, contact.second));
         state.image = vec![[0; 3]; count];
         state.force = vec![[0.0; 3]; count];
         state.moment = vec![[0.0; 3]; count];
@@ -256,14 +252,12 @@ fn bond(state: &mut State, domain: &Domain, carried: &[(Bond, BondHistory)], mut
     }
 }
 
-/// A number of particles that cannot be meant.
-pub(super) fn too_many(context: &Context<'_>, group: usize, count: f64) -> Problem {
-    Problem::new(
-        codes::TOO_MANY_PARTICLES,
-        format!("these would be {} particles; at most {MOST_PARTICLES} are possible", number(count)),
-    )
-    .at(context.place(group, &[]), "too many")
-    .help("check the radius and the extent of the region; lengths are in metres")
+/// Ids that are beyond those that there are.
+fn no_ids(context: &Context<'_>, group: usize, needed: u64) -> Problem {
+    let message = format!("the next ids of these particles go up to {}, more than {}", needed - 1, u32::MAX - 1);
+    Problem::new(codes::TOO_MANY_PARTICLES, message)
+        .at(context.place(group, &[]), "without ids of their own")
+        .help("ids go on from the highest that a table or a run gives: lower those")
 }
 
 pub(super) fn sphere_mass(radius: f64, density: f64) -> f64 {

@@ -6,15 +6,18 @@ mod surface;
 
 pub(crate) use conductance::Warming;
 use surface::Exposed;
+pub use surface::SurfaceExtent;
 pub(super) use surface::Surfaces;
 
 use super::Context;
 use super::draft::Draft;
+use crate::materials::Materials;
 use crate::problem::Problem;
 use crate::schema::{self, ContactPath};
 use std::f64::consts::FRAC_PI_4;
-use tdem_engine::physics::heat::conduction::pair_conductivity;
+use tdem_engine::physics::heat::conduction::{contact_radius_ratio, pair_conductivity};
 use tdem_engine::physics::heat::{Conductor, Dissipation, Path};
+use tdem_engine::physics::material::{Elastic, young_modulus_eff};
 use tdem_engine::{Course, HeatPlan, Motion, Relaxation, Scheme, Table, Thermal, ThermalTables};
 
 /// The heat of a case; particles of the draft get temperatures and exposures. What is wrong is added to `problems`.
@@ -23,7 +26,7 @@ pub(super) fn of(
     draft: &mut Draft,
     zones: &[Vec<u32>],
     problems: &mut Vec<Problem>,
-) -> Option<(HeatPlan, Surfaces)> {
+) -> Option<(HeatPlan, (Surfaces, Vec<SurfaceExtent>))> {
     let case = &context.loaded.case;
     let heat = case.heat.as_ref()?;
     let zero = heat.scale.zero();
@@ -36,7 +39,7 @@ pub(super) fn of(
             if known > 0.0 && case.particles[usize::from(group)].temperature.is_none() { known } else { initial(group) }
         })
         .collect();
-    let (Exposed { exposures, sides }, surfaces) = surface::expose(context, heat, draft, zones, problems);
+    let (Exposed { exposures, sides, extents }, surfaces) = surface::expose(context, heat, draft, zones, problems);
     let materials = context.materials.len();
     let thermal = &context.materials.thermal;
     let tables = ThermalTables {
@@ -45,9 +48,12 @@ pub(super) fn of(
     };
     let conductivity = |k: usize| context.conductivity(k);
     let section = FRAC_PI_4 * (heat.bar_radius() * heat.bar_radius());
-    let conductor = |k: usize| Conductor {
-        conductivity: pair_conductivity(conductivity(k / materials), conductivity(k % materials)),
-        section,
+    let conductor = |k: usize| {
+        let (a, b) = (k / materials, k % materials);
+        let conductivity = pair_conductivity(conductivity(a), conductivity(b));
+        // Bars and bonds, which know their section, conduct as before.
+        let correction = if heat.contacts == ContactPath::Circle { context.contact_radius_ratio(a, b) } else { 1.0 };
+        Conductor { conductivity: conductivity * correction, section: section / correction }
     };
     let frozen = heat.motion == schema::Motion::Frozen;
     let plan = HeatPlan {
@@ -76,7 +82,7 @@ pub(super) fn of(
             damping: heat.from_damping.map_or(0.0, schema::Share::get),
         },
     };
-    Some((plan, surfaces))
+    Some((plan, (surfaces, extents)))
 }
 
 /// What particles do while heat goes on, and the step of the plan, s: that of the heat where heat advances by itself.
@@ -108,6 +114,18 @@ impl Context<'_> {
         let thermal = &self.materials.thermal;
         let tables = tables_of(thermal, |of| &of.conductivity);
         if tables.is_empty() { thermal[material].conductivity.largest() } else { 1.0 }
+    }
+}
+
+impl Context<'_> {
+    /// Contact radius of the true materials over that of the contact law under the same load; 1 where both are the same.
+    fn contact_radius_ratio(&self, a: usize, b: usize) -> f64 {
+        let Materials { elastic, original, .. } = &self.materials;
+        if elastic[a] == original[a] && elastic[b] == original[b] {
+            return 1.0;
+        }
+        let effective = |of: &[Elastic]| young_modulus_eff(of[a], of[b]);
+        contact_radius_ratio(effective(elastic), effective(original))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Spheres on a regular lattice.
 
 use super::Context;
-use super::draft::{MOST_PARTICLES, Spheres, too_many};
+use super::draft::Spheres;
 use crate::codes;
 use crate::problem::{Problem, number};
 use crate::schema::{Align, CellKind, Lattice};
@@ -75,9 +75,7 @@ pub(super) fn place(context: &Context<'_>, group: usize, spec: &Lattice) -> Resu
     if count == 0.0 {
         return Err(too_small(context, group, a, room));
     }
-    if count > MOST_PARTICLES as f64 {
-        return Err(too_many(context, group, count));
-    }
+    context.room_for(group, count)?;
     let first: [f64; 3] = spec.origin.unwrap_or_else(|| {
         std::array::from_fn(|k| {
             let extent = span(spec.kind, cells[k]) * a + 2.0 * radius;
@@ -133,9 +131,7 @@ fn around(
         (last - first[k] + 1.0).max(0.0)
     });
     let places = count.iter().product::<f64>();
-    if share * places > MOST_PARTICLES as f64 {
-        return Err(too_many(context, group, share * places));
-    }
+    context.room_for(group, share * places)?;
     let [columns, rows, slices] = count.map(|count| count as u64);
     let mut position = Vec::with_capacity((share * places) as usize + 1);
     for z in 0..slices {

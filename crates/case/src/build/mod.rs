@@ -5,15 +5,18 @@ mod csv;
 mod draft;
 mod gauges;
 mod heat;
+mod histories;
 mod lattice;
 mod motion;
 mod placement;
 mod random;
+mod room;
 mod run;
 mod shape;
 mod zones;
 
 pub(crate) use bonds::Vibration;
+pub use heat::SurfaceExtent;
 pub(crate) use heat::{Conducting, Warming};
 pub use run::{NoRuns, RunLoader};
 
@@ -43,6 +46,8 @@ pub struct Built {
     pub fields: Fields,
     /// What limits the time step.
     pub limits: StepLimits,
+    /// How large each `[[surface]]` is, in their order; empty without heat.
+    pub surfaces: Vec<SurfaceExtent>,
     /// What does not stop the run but should be known.
     pub warnings: Problems,
     /// How much memory it takes.
@@ -74,20 +79,29 @@ const FRAME: usize = 700;
 const FRAME_OF_BOND: [usize; 2] = [175, 330];
 
 impl Memory {
-    fn of(state: &State, plan: &Plan, frames: Option<Fields>) -> Self {
-        let (particles, bonds) = (state.len(), state.bonds.len());
+    /// One copy of a state and the arrays of a run on the CPU, bytes per particle, without bonds and contacts: less than any
+    /// run takes.
+    fn least(plan: &Plan) -> usize {
+        Self::of_particle(plan) + cpu::bytes(plan, 1, 0, 0)
+    }
+
+    /// What a copy of the state has of a particle, bytes.
+    fn of_particle(plan: &Plan) -> usize {
         let fixed = 4 + 2 + 2 + 8 + 8 + 12 + 5 * 24;
         let gear = plan.integrator == Integrator::Gear;
         let heat = plan
             .heat
             .as_ref()
             .map_or(0, |heat| 18 + if heat.expands() { 8 } else { 0 } + if plan.ledger { 16 } else { 0 });
-        let optional = if gear { 96 } else { 0 } + if plan.ledger { 32 } else { 0 } + heat;
+        fixed + if gear { 96 } else { 0 } + if plan.ledger { 32 } else { 0 } + heat
+    }
+
+    fn of([particles, bonds]: [usize; 2], plan: &Plan, frames: Option<Fields>) -> Self {
         let contacts = NEIGHBOURS / 2 * size_of::<Contact>();
         let remembered = plan.bonds.as_ref().is_some_and(tdem_engine::BondPlan::remembers);
         let bond = size_of::<Bond>() + if remembered { size_of::<BondHistory>() } else { 0 };
         let bonded = if bonds > 0 { 32 + 24 } else { 0 };
-        let state = particles * (fixed + optional + contacts + bonded) + bonds * bond;
+        let state = particles * (Self::of_particle(plan) + contacts + bonded) + bonds * bond;
         let arrays = cpu::bytes(plan, particles, particles * NEIGHBOURS / 2, bonds);
         let frame = frames.map_or(0, |fields| {
             let particle = match (fields.contacts, fields.precision) {
@@ -120,8 +134,16 @@ impl Loaded {
     /// # Errors
     /// All problems that places, overlaps and the time step show.
     pub fn build_with(&self, loader: &dyn RunLoader) -> Result<Built, Problems> {
+        self.build_within(loader, None)
+    }
+
+    /// The same on a machine that has so much memory, bytes: what cannot fit is refused before it is placed.
+    ///
+    /// # Errors
+    /// As [`Self::build_with`].
+    pub fn build_within(&self, loader: &dyn RunLoader, memory: Option<u64>) -> Result<Built, Problems> {
         let case = &self.case;
-        let context = Context::new(self);
+        let context = Context::new(self, memory);
         let mut problems = Vec::new();
         let mut draft = Draft::default();
         for (k, group) in case.particles.iter().enumerate() {
@@ -178,9 +200,13 @@ impl Loaded {
             (of.motion, plan.dt) = heat::turns(heat, limits.step, warming, limits.safety);
             plan.dt = plan.dt.min(case.time.end.get());
         }
+        let (surfaces, extents) = surfaces.unwrap_or_default();
         let watched = gauges::members(case, &draft, &zones);
-        let state = draft.finish(&context, &plan, bonds);
-        let (gauges, coincident) = gauges::gauges(&context, &watched, &surfaces.unwrap_or_default(), &state, &plan);
+        problems.extend(placement::beyond_limit(&context, &draft, &plan, &bonds));
+        let histories = std::mem::take(&mut draft.histories);
+        let mut state = draft.finish(&context, &plan, bonds);
+        problems.extend(histories::transfer(&context, histories, &plan, &mut state));
+        let (gauges, coincident) = gauges::gauges(&context, &watched, &surfaces, &state, &plan);
         plan.gauges = gauges;
         problems.extend(coincident);
         problems.extend(heat::quasi_static::check(&context, &plan, &state));
@@ -188,9 +214,9 @@ impl Loaded {
         problems.extend(endless(self, plan.dt));
         let schedule = schedule(case, plan.dt);
         let fields = Fields::of(&case.output);
-        let memory = Memory::of(&state, &plan, (schedule.frame_every > 0).then_some(fields));
+        let memory = Memory::of([state.len(), state.bonds.len()], &plan, (schedule.frame_every > 0).then_some(fields));
         let ((), warnings) = unless_error(&self.source, problems, ())?;
-        Ok(Built { state, plan, schedule, fields, limits, warnings, memory })
+        Ok(Built { state, plan, schedule, fields, limits, surfaces: extents, warnings, memory })
     }
 }
 
@@ -200,14 +226,16 @@ pub(crate) struct Context<'c> {
     pub(crate) materials: Materials,
     pub(crate) planes: Vec<Plane>,
     pub(crate) domain: Domain,
+    /// Of the machine, bytes, if it is known.
+    memory: Option<u64>,
 }
 
 impl<'c> Context<'c> {
-    fn new(loaded: &'c Loaded) -> Self {
+    fn new(loaded: &'c Loaded, memory: Option<u64>) -> Self {
         let materials = Materials::of(&loaded.case);
         let planes = planes(&loaded.case, &loaded.tree, |name| materials.index(name));
         let schema::Domain { min, max, periodic } = loaded.case.domain;
-        Context { loaded, materials, planes, domain: Domain { min, max, periodic } }
+        Context { loaded, materials, planes, domain: Domain { min, max, periodic }, memory }
     }
 
     /// Acceleration of what moves, m/s²: weights are those of the true masses.

@@ -8,8 +8,8 @@ use crate::limits::Found;
 use crate::problem::{Problem, counted, number};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use tdem_engine::Domain;
 use tdem_engine::physics::Vec3;
+use tdem_engine::{Bond, Domain, Plan, State};
 
 /// Overlap at the start that counts as touching, as a fraction of the smaller radius.
 const TOUCHING: f64 = 1e-6;
@@ -124,7 +124,7 @@ fn walls(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
         .collect()
 }
 
-/// A pair that overlaps: by how much of the smaller radius, and who.
+/// A pair that overlaps: by how much of a radius, and its indices.
 #[derive(Clone, Copy)]
 struct Pair {
     ratio: f64,
@@ -138,7 +138,92 @@ fn overlaps(context: &Context<'_>, draft: &Draft) -> Option<Problem> {
     if groups.iter().all(|group| group.allow_overlap) {
         return None;
     }
+    let exempt = |a: usize, b: usize| {
+        let (a, b) = (usize::from(draft.group[a]), usize::from(draft.group[b]));
+        // Particles of one run overlap as they did there, also if several groups take them.
+        let run = |group: usize| groups[group].run.as_ref().map(|run| (&run.directory, run.offset));
+        groups[a].allow_overlap || groups[b].allow_overlap || (run(a).is_some() && run(a) == run(b))
+    };
     let state = &draft.state;
+    let ratio = |first: usize, second: usize, overlap: f64| {
+        let ratio = overlap / state.radius[first].min(state.radius[second]);
+        (ratio > TOUCHING && !exempt(first, second)).then_some(ratio)
+    };
+    let (pairs, worst) = worst(&context.domain, state, ratio)?;
+    let (a, b) = (worst.first, worst.second);
+    let depth = worst.ratio * state.radius[a].min(state.radius[b]);
+    let message = format!(
+        "{} overlapping at the start; the worst, ids {} and {}, by {} m, {} of the smaller radius",
+        counted(pairs, "pair"),
+        state.id[a],
+        state.id[b],
+        number(depth),
+        number(worst.ratio)
+    );
+    let problem = Problem::new(codes::OVERLAP, message);
+    Some(
+        both(context, draft, problem, [a, b])
+            .help("move them apart; or set allow_overlap = true for the group and expect them to fly apart"),
+    )
+}
+
+/// Pairs that would stop the run at its first step: where overlap is allowed, but not so much. `bonds` are all there are.
+pub(super) fn beyond_limit(context: &Context<'_>, draft: &Draft, plan: &Plan, bonds: &[Bond]) -> Option<Problem> {
+    let groups = &context.loaded.case.particles;
+    if groups.iter().all(|group| !group.allow_overlap && group.run.is_none()) {
+        return None;
+    }
+    let state = &draft.state;
+    let held: Vec<bool> = (0..plan.constraints.len()).map(|k| plan.holds(k)).collect();
+    let is_held = |index: usize| held[usize::from(state.constraint[index])];
+    let ratio = |first: usize, second: usize, overlap: f64| {
+        let ratio = 2.0 * overlap / (state.radius[first] + state.radius[second]);
+        (ratio > plan.overlap_limit && !(is_held(first) && is_held(second))).then_some(ratio)
+    };
+    let mut found = worst(&context.domain, state, ratio)?;
+    if plan.bonds.as_ref().is_some_and(|bonds| !bonds.contact_in_bonded_pairs) {
+        // Bonds that hold keep contact off.
+        let carried = draft.carried.iter().map(|(bond, _)| bond);
+        let mut bonded: Vec<[u32; 2]> = bonds.iter().chain(carried).map(|bond| [bond.first, bond.second]).collect();
+        bonded.sort_unstable();
+        let free = |first: usize, second: usize| {
+            let mut ids = [state.id[first], state.id[second]];
+            ids.sort_unstable();
+            bonded.binary_search(&ids).is_err()
+        };
+        found = worst(&context.domain, state, |first, second, overlap| {
+            ratio(first, second, overlap).filter(|_| free(first, second))
+        })?;
+    }
+    let (pairs, Pair { ratio, first, second }) = found;
+    let limit = number(plan.overlap_limit);
+    let message = format!(
+        "{} overlapping by more than {limit} of the mean radius at the start, which stops a run; the worst, ids {} and {}, by {}",
+        counted(pairs, "pair"),
+        state.id[first],
+        state.id[second],
+        number(ratio)
+    );
+    let mut problem = both(context, draft, Problem::new(codes::OVERLAP_LIMIT, message), [first, second]);
+    if let Some(limit) = context.loaded.tree.get(&["contact", "overlap_limit"]) {
+        problem = problem.at(limit.span.clone(), "the limit");
+    }
+    Some(problem.help("move them apart; only particles that are all fixed in all components may overlap more"))
+}
+
+/// A problem of two particles, with the places that they come from.
+fn both(context: &Context<'_>, draft: &Draft, problem: Problem, pair: [usize; 2]) -> Problem {
+    let [first, second] = pair.map(|index| usize::from(draft.group[index]));
+    let problem = problem.at(source_place(context, second), "one of them");
+    if first == second { problem } else { problem.at(source_place(context, first), "the other") }
+}
+
+/// Pairs that overlap: how many have a ratio, which is asked for indices and overlap in m, and the worst of them.
+fn worst(
+    domain: &Domain,
+    state: &State,
+    ratio: impl Fn(usize, usize, f64) -> Option<f64> + Sync,
+) -> Option<(usize, Pair)> {
     let count = state.len();
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for point in &state.position {
@@ -148,14 +233,9 @@ fn overlaps(context: &Context<'_>, draft: &Draft) -> Option<Problem> {
         }
     }
     let largest = state.radius.iter().copied().fold(0.0, f64::max);
-    let mut grid = Grid::new(&context.domain, bounds[0], bounds[1], 2.0 * largest, count);
+    let mut grid = Grid::new(domain, bounds[0], bounds[1], 2.0 * largest, count);
     state.position.iter().for_each(|&point| grid.push(point));
-
-    let exempt = |a: usize, b: usize| {
-        let (a, b) = (usize::from(draft.group[a]), usize::from(draft.group[b]));
-        groups[a].allow_overlap || groups[b].allow_overlap || (a == b && groups[a].run.is_some())
-    };
-    let period = context.domain.period();
+    let period = domain.period();
     let of_particle = |first: usize| {
         let here: Vec3<f64> = state.position[first].into();
         let mut found = (0_usize, Pair { ratio: 0.0, first, second: first });
@@ -166,13 +246,12 @@ fn overlaps(context: &Context<'_>, draft: &Draft) -> Option<Problem> {
             let offset = period.nearest(Vec3::from(state.position[second]) - here);
             let reach = state.radius[first] + state.radius[second];
             let squared = offset.dot(offset);
-            if squared < reach * reach {
-                let ratio = (reach - squared.sqrt()) / state.radius[first].min(state.radius[second]);
-                if ratio > TOUCHING && !exempt(first, second) {
-                    found.0 += 1;
-                    if ratio > found.1.ratio {
-                        found.1 = Pair { ratio, first, second };
-                    }
+            if squared < reach * reach
+                && let Some(ratio) = ratio(first, second, reach - squared.sqrt())
+            {
+                found.0 += 1;
+                if ratio > found.1.ratio {
+                    found.1 = Pair { ratio, first, second };
                 }
             }
             false
@@ -188,28 +267,7 @@ fn overlaps(context: &Context<'_>, draft: &Draft) -> Option<Problem> {
         .with_min_len(1024)
         .map(of_particle)
         .reduce(|| (0, Pair { ratio: 0.0, first: 0, second: 0 }), |a, b| (a.0 + b.0, worse(a.1, b.1)));
-    if pairs == 0 {
-        return None;
-    }
-    let (a, b) = (worst.first, worst.second);
-    let depth = worst.ratio * state.radius[a].min(state.radius[b]);
-    let mut problem = Problem::new(
-        codes::OVERLAP,
-        format!(
-            "{} overlapping at the start; the worst, ids {} and {}, by {} m, {} of the smaller radius",
-            counted(pairs, "pair"),
-            state.id[a],
-            state.id[b],
-            number(depth),
-            number(worst.ratio)
-        ),
-    );
-    let (first, second) = (usize::from(draft.group[a]), usize::from(draft.group[b]));
-    problem = problem.at(source_place(context, second), "one of them");
-    if first != second {
-        problem = problem.at(source_place(context, first), "the other");
-    }
-    Some(problem.help("move them apart; or set allow_overlap = true for the group and expect them to fly apart"))
+    (pairs > 0).then_some((pairs, worst))
 }
 
 /// The table that says where particles of a group come from.

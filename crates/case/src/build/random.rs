@@ -1,17 +1,21 @@
 //! Spheres at random places, without overlap, one after the other.
 
 use super::Context;
-use super::draft::{Draft, MOST_PARTICLES, Spheres, too_many};
+use super::draft::{Draft, Spheres};
+use super::room::{sphere_volume, volume};
 use crate::codes;
 use crate::grid::Grid;
 use crate::problem::{Problem, number};
 use crate::rng::{Stream, uniform4};
 use crate::schema::{Radius, Random, Region, SizeDistribution};
-use std::f64::consts::PI;
 use tdem_engine::physics::Vec3;
 
 pub(super) fn place(context: &Context<'_>, draft: &Draft, group: usize, spec: &Random) -> Result<Spheres, Problem> {
     let region = context.region(spec.min, spec.max);
+    context.space_for(group, spec, &region)?;
+    if let Some(count) = spec.count {
+        context.room_for(group, f64::from(count))?;
+    }
     let radius = radii(context, group, spec, &region)?;
     // The largest first, while there is room; the order among equals is that of the index.
     let mut order: Vec<usize> = (0..radius.len()).collect();
@@ -59,10 +63,7 @@ fn radii(context: &Context<'_>, group: usize, spec: &Random, region: &Region) ->
     };
     let target = fraction.get() * volume(region);
     let [smallest, _] = spec.radius.bounds();
-    let most = target / sphere_volume(smallest);
-    if most > MOST_PARTICLES as f64 {
-        return Err(too_many(context, group, most));
-    }
+    context.room_for(group, target / sphere_volume(smallest))?;
     let mut radii = Vec::new();
     let mut filled = 0.0;
     for k in 0.. {
@@ -82,14 +83,6 @@ fn radii(context: &Context<'_>, group: usize, spec: &Random, region: &Region) ->
         .at(context.place(group, &["random", "radius"]), "for spheres of this size"));
     }
     Ok(radii)
-}
-
-fn volume(region: &Region) -> f64 {
-    (0..3).map(|k| region.max[k] - region.min[k]).product()
-}
-
-fn sphere_volume(radius: f64) -> f64 {
-    4.0 / 3.0 * PI * (radius * radius * radius)
 }
 
 /// Spheres placed so far, and where the next may go.

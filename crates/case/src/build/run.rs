@@ -2,10 +2,12 @@
 
 use super::Context;
 use super::draft::{Carried, Spheres, kept};
+use super::histories::{Histories, loaded};
 use crate::codes;
 use crate::problem::Problem;
-use crate::schema::{BondForm, Domain, Particles, Run, RunBonds};
+use crate::schema::{BondForm, Domain, Particles, Run, RunBonds, RunContacts};
 use crate::structure::suggestion;
+use crate::walls::planes;
 use std::path::Path;
 use tdem_engine::{Bond, State};
 
@@ -42,7 +44,7 @@ pub(super) fn place(
     spec: &Run,
 ) -> Result<Spheres, Problem> {
     let directory = context.loaded.file(&spec.directory);
-    let state = loader.load(&directory).map_err(|why| {
+    let mut state = loader.load(&directory).map_err(|why| {
         Problem::new(codes::RUN_UNREADABLE, format!("cannot take the state of {}: {why}", directory.display()))
             .at(context.place(group, &["run", "directory"]), "this run")
             .help("name the directory of a run that left a checkpoint; paths are relative to the folder of the case")
@@ -57,6 +59,7 @@ pub(super) fn place(
         RunBonds::Anew => Carried::default(),
         RunBonds::Carry => carried(context, group, spec, &directory, &state)?,
     };
+    let histories = histories(context, group, spec, &directory, &mut state)?;
     Ok(Spheres {
         position: state.position.iter().map(|&place| moved(spec, place)).collect(),
         radius: (0..state.len()).map(|k| state.bonded_radius(k)).collect(),
@@ -65,8 +68,7 @@ pub(super) fn place(
         angular_velocity: state.angular_velocity,
         id: state.id,
         material,
-        // Walls may be others here, so only the histories of pairs go on.
-        contacts: state.contacts,
+        histories,
         carried,
     })
 }
@@ -74,6 +76,31 @@ pub(super) fn place(
 /// A place of that run in this one, m.
 fn moved(spec: &Run, place: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| place[k] + spec.offset[k])
+}
+
+/// The contact histories of a run, with the names of its walls if they are to be transferred.
+fn histories(
+    context: &Context<'_>,
+    group: usize,
+    spec: &Run,
+    directory: &Path,
+    state: &mut State,
+) -> Result<Histories, Problem> {
+    let (pairs, walls) = (std::mem::take(&mut state.contacts), std::mem::take(&mut state.wall_contacts));
+    let needed = spec.contacts == Some(RunContacts::Carry) && walls.iter().any(|wall| loaded(wall.displacement));
+    let names = match crate::load(&directory.join("case.toml"), &[]) {
+        // In the order of the plan that the run followed.
+        Ok(run) => planes(&run.case, &run.tree, |_| 0).into_iter().map(|plane| plane.wall.name).collect(),
+        Err(_) if !needed => Vec::new(),
+        Err(_) => {
+            let message =
+                format!("the case that {} keeps cannot be read: its walls have no names", directory.display());
+            return Err(Problem::new(codes::RUN_UNREADABLE, message)
+                .at(context.place(group, &["run", "contacts"]), "matches walls by name")
+                .help("mend that case.toml, or write contacts = \"anew\" and let friction build up again"));
+        }
+    };
+    Ok(Histories::new(pairs, walls, names))
 }
 
 /// The bonds of a run that hold, with all that they refer to. Where one broke, particles touch from then on.

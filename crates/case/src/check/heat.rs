@@ -425,6 +425,17 @@ impl Checker<'_> {
                     .help("choose another face, or do not let this direction repeat"),
             );
         }
+        if surface.face.is_none() && surface.area.is_none() && !surface.needs_no_area() {
+            let place = self.place(&["surface", index]);
+            self.push(
+                Problem::new(codes::MISSING_KEY, "nothing says how large this surface is")
+                    .at(place, "`area` or `face` belongs here")
+                    .help(
+                        "add area = ... in m², which its particles share equally; or, for particles of one lattice, the \
+                         face that they form, such as face = \"+z\"",
+                    ),
+            );
+        }
         let acts = [
             ("temperature", surface.temperature.is_some()),
             ("flux", surface.flux.is_some()),

@@ -1,7 +1,7 @@
 //! Heat: what conducts, what surfaces exchange, how time goes.
 
 use super::course::Course;
-use super::quantity::{NonNegative, Positive, Share, positive};
+use super::quantity::{NonNegative, Positive, Share, non_negative, positive};
 use super::{Case, Face};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -236,7 +236,8 @@ pub struct Surface {
     /// Only the outermost layer of these in one direction: "-x", "+x", "-y", "+y", "-z", "+z".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub face: Option<Face>,
-    /// Its area, m², of which all its particles have equal parts; that of a face of the lattice if left out.
+    /// Its area, m², of which all its particles have equal parts. It may be left out only with a `face` of particles on one
+    /// lattice, which then have the area of the face of the lattice, or for a temperature that is held without depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m²"))]
     pub area: Option<Positive>,
@@ -257,6 +258,13 @@ pub struct Surface {
     /// Walls that it sees and exchanges radiation with.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radiation: Option<Radiation>,
+}
+
+impl Surface {
+    /// Whether its particles are held at a temperature themselves, whatever its area.
+    pub(crate) fn needs_no_area(&self) -> bool {
+        self.temperature.is_some() && self.depth == Depth::Metres(non_negative(0.0))
+    }
 }
 
 /// A fluid along a surface.

@@ -22,7 +22,7 @@ pub use heat::{
 };
 pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
-    RunBonds, SizeDistribution, SizeRange,
+    RunBonds, RunContacts, SizeDistribution, SizeRange,
 };
 pub use picture::{Clip, Field, Picture, View};
 pub use property::{MeasuredProperty, Property};
@@ -241,6 +241,12 @@ pub struct Material {
     pub young_modulus: Positive,
     /// Poisson's ratio.
     pub poisson_ratio: PoissonRatio,
+    /// Young's modulus of the true material, Pa, where `young_modulus` is lowered for longer steps. Contact spots
+    /// (`heat.contacts = "circle"`) then conduct as those of the true material do under the same load: their radius is
+    /// corrected by (E*/E*_original)^(1/3). Forces do not know it; if left out, nothing is corrected.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "Pa"))]
+    pub original_young_modulus: Option<Positive>,
     /// Thermal conductivity, W/(m K), a number or points [temperature, value]. Needed with heat.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "W/(m K)"))]

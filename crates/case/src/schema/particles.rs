@@ -364,6 +364,12 @@ pub struct Run {
     /// run's bonds go on, loaded as they are; what broke stays unbonded, and these particles are bonded to no others.
     #[serde(default)]
     pub bonds: RunBonds,
+    /// What becomes of the contact histories of that run, the tangential displacements of its friction springs. "carry":
+    /// they are transferred, between particles and with walls of the same name, where the contact is closed here and has
+    /// friction; springs keep their displacement, whatever their stiffness is here. "anew": all springs start unloaded. If
+    /// left out they do so too, with a warning that counts them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contacts: Option<RunContacts>,
 }
 
 /// What becomes of the bonds of another run.
@@ -374,5 +380,15 @@ pub enum RunBonds {
     #[default]
     Anew,
     /// They go on.
+    Carry,
+}
+
+/// What becomes of the contact histories of another run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum RunContacts {
+    /// Friction springs start unloaded.
+    Anew,
+    /// Friction springs are transferred.
     Carry,
 }

@@ -43,6 +43,10 @@ pub(super) struct Scene<'a> {
     /// Time by which positions are ahead of velocities, s.
     lead: f64,
     overlap_limit: f64,
+    /// Index of the constraint of each particle.
+    constraint: &'a [u16],
+    /// Which constraints keep particles where they are.
+    holds: &'a [bool],
     /// Which parts of losses become heat.
     dissipation: Dissipation<f64>,
     /// Where heat flows through contacts.
@@ -131,9 +135,25 @@ impl Cpu {
     /// Evaluates all listed pairs.
     pub(super) fn contact_all(&mut self) -> Result<(), Fault> {
         let lead = self.lead();
-        let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, temperature, .. } =
-            &mut self.bodies;
+        let Bodies {
+            place,
+            motion,
+            spin,
+            rank,
+            material,
+            constraint,
+            force,
+            moment,
+            accounts,
+            kick,
+            twist,
+            temperature,
+            ..
+        } = &mut self.bodies;
+        let holds: Vec<bool> = (0..self.plan.constraints.len()).map(|index| self.plan.holds(index)).collect();
         let scene = Scene {
+            constraint,
+            holds: &holds,
             place,
             motion,
             spin,
@@ -240,6 +260,10 @@ impl Scene<'_> {
             velocity: self.kick[i].vector(),
             rolling: if V::MOMENTS { self.twist[i].vector() * arm } else { Vec3::zero() },
         }
+    }
+    /// Whether both particles of a pair stay where they are.
+    fn both_held(&self, i: usize, j: usize) -> bool {
+        [i, j].into_iter().all(|index| self.holds[usize::from(self.constraint[index])])
     }
     /// The ranks of a pair, the lower first.
     fn ranks(&self, i: usize, j: usize) -> (u32, u32) {
@@ -361,7 +385,7 @@ fn rows_scalar<V: Variant>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> Crushed {
                 if let Some(pressure) = rows.pressure.get_mut(pair) {
                     *pressure = elastic_force(encounter.radius_eff, touch.overlap, scene.interaction(i, j));
                 }
-                if touch.overlap > scene.overlap_limit * a.radius.min(b.radius) {
+                if touch.overlap > scene.overlap_limit * a.radius.min(b.radius) && !scene.both_held(i, j) {
                     crushed = Some(worse(crushed, scene.ranks(i, j)));
                 }
             } else if rows.touching[pair] {

@@ -24,8 +24,10 @@ impl Cpu {
         let mut wall_slots = std::mem::take(&mut self.neighbours.wall_slots);
         let (list, bonds) = (&self.neighbours, &self.bonds);
         let lead = self.lead();
-        let Bodies { place, motion, spin, rank, material, force, moment, accounts, kick, twist, .. } = &mut self.bodies;
-        let walls = Walls { plan: &self.plan, position: &self.wall_position, step: self.history_step, lead };
+        let Bodies { place, motion, spin, rank, material, constraint, force, moment, accounts, kick, twist, .. } =
+            &mut self.bodies;
+        let plan = &self.plan;
+        let walls = Walls { plan, position: &self.wall_position, step: self.history_step, lead };
         let particles = chunks_of(n);
         let mut slots = split(&mut wall_slots, &wall_bounds);
         let add_incoming = adding(reaction_numbers(&self.plan));
@@ -50,7 +52,8 @@ impl Cpu {
                     let sphere = sphere(&place[i], &motion[i], &spin[i]);
                     let kick = [kick.get(i), twist.get(i)].map(|k| k.copied().unwrap_or_default().vector());
                     let overlap = walls.add(&sphere, kick, material[i], slot, accounts.get_mut(k), &mut sum);
-                    if overlap > self.plan.overlap_limit * sphere.radius {
+                    let too_much = overlap > plan.overlap_limit * sphere.radius;
+                    if too_much && !rests_at(plan, constraint[i], slot.wall) {
                         let found = (rank[i], slot.wall);
                         through = Some(through.map_or(found, |known| known.min(found)));
                     }
@@ -86,6 +89,11 @@ impl Cpu {
             limit: self.plan.overlap_limit,
         }
     }
+}
+
+/// Whether neither a particle nor a wall moves: no overlap between them is too large.
+fn rests_at(plan: &Plan, constraint: u16, wall: u32) -> bool {
+    plan.holds(usize::from(constraint)) && plan.walls[wall as usize].rests()
 }
 
 /// The lowest rank that overlaps too much with a wall, and the first such wall, if any.

@@ -29,7 +29,7 @@ pub(super) struct Half<M> {
 pub(super) struct Fields<M> {
     /// Place in the order of persistent ids.
     pub(super) rank: Buffer<u32, M>,
-    /// Material, and above 16 bits the constraint.
+    /// See [`kind`].
     pub(super) kind: Buffer<u32, M>,
     /// 3 planes of one number each.
     pub(super) image: Buffer<i32, M>,
@@ -95,12 +95,26 @@ pub(super) fn unpaired(vectors: &[[f64; 3]]) -> Vec<Quad> {
     vectors.iter().map(|&v| Quad::new(v, 0.0)).collect()
 }
 
+/// A word of a particle: its material, above 16 bits its constraint, and the highest bit if that keeps it where it is.
+fn kind(plan: &Plan, material: u16, constraint: u16) -> u32 {
+    u32::from(material) | u32::from(constraint) << 16 | u32::from(plan.holds(constraint.into())) << 31
+}
+
+/// The constraint in such a word.
+pub(super) fn constraint_of(kind: u32) -> u16 {
+    (kind >> 16) as u16 & 0x7fff
+}
+
+/// Whether the particle of such a word stays where it is.
+pub(super) fn is_held(kind: u32) -> bool {
+    kind >> 31 != 0
+}
+
 impl<M> Fields<M> {
     pub(super) fn new<R: Runtime<Memory = M>>(queue: &Queue<R>, state: &State, plan: &Plan) -> Result<Self, Error> {
         let n = state.len();
         let gear = plan.integrator == Integrator::Gear;
-        let kinds: Vec<u32> =
-            state.material.iter().zip(&state.constraint).map(|(&m, &c)| u32::from(m) | u32::from(c) << 16).collect();
+        let kinds: Vec<u32> = state.material.iter().zip(&state.constraint).map(|(&m, &c)| kind(plan, m, c)).collect();
         let quads = |wanted: bool, given: bool, value: &dyn Fn(usize) -> [f64; 4]| -> Vec<Quad> {
             match (wanted, given) {
                 (false, _) => Vec::new(),

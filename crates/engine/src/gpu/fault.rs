@@ -1,5 +1,6 @@
 //! What the flags tell of, worked out on the host from what the device left.
 
+use super::bodies::is_held;
 use super::run::Gpu;
 use super::runtime::{Error, Runtime};
 use super::search::SLICE;
@@ -55,8 +56,8 @@ impl<R: Runtime> Gpu<R> {
         })
     }
 
-    /// The fault of two particles that overlap too much, or else of a particle and a wall, the lowest ranks of all, in the last of `done` steps, which read
-    /// the given half.
+    /// The fault of two particles that overlap too much, or else of a particle and a wall, the lowest ranks of all, in the last of
+    /// `done` steps, which read the given half.
     pub(super) fn crushed(&self, half: usize, done: u64) -> Result<Fault, Error> {
         let n = self.particles;
         let rank = self.queue.read(&self.fields.rank, n)?;
@@ -68,6 +69,7 @@ impl<R: Runtime> Gpu<R> {
         let positions = self.queue.read(&self.halves[half].wall_place, self.plan.walls.len())?;
         let (step, limit) = (self.step + done, self.plan.overlap_limit);
         let time = self.plan.time(step);
+        let kind = self.queue.read(&self.fields.kind, n)?;
         let mut worst: Option<((u32, u32), f64)> = None;
         let mut through: Option<((u32, usize), f64)> = None;
         for i in 0..n {
@@ -82,7 +84,8 @@ impl<R: Runtime> Gpu<R> {
                     let Some(wall) = self.plan.walls.get(j - n) else { break };
                     let touch = touch_wall(place[i].vector(), radius, positions[j - n].vector(), wall.normal.into());
                     let found = (rank[i], j - n);
-                    if touch.overlap > limit * radius && through.is_none_or(|(known, _)| found < known) {
+                    let rests = is_held(kind[i]) && wall.rests();
+                    if touch.overlap > limit * radius && !rests && through.is_none_or(|(known, _)| found < known) {
                         through = Some((found, overlap_ratio(touch.overlap, radius, f64::INFINITY)));
                     }
                     continue;
@@ -92,7 +95,7 @@ impl<R: Runtime> Gpu<R> {
                 let overlap = touch_spheres(offset, radius + other_radius).overlap;
                 let pair = (rank[i].min(rank[j]), rank[i].max(rank[j]));
                 let too_much = overlap > limit * radius.min(other_radius);
-                if too_much && worst.is_none_or(|(known, _)| pair < known) {
+                if too_much && !(is_held(kind[i]) && is_held(kind[j])) && worst.is_none_or(|(known, _)| pair < known) {
                     worst = Some((pair, overlap_ratio(overlap, radius, other_radius)));
                 }
             }

@@ -509,7 +509,7 @@ kernels! {
         step: value Step, status: shared u32,
         place: read Quad, motion: read Quad, spin: read Quad, force: write Quad, moment: write Quad,
         kind: read u32 where |v| {
-            !v.one_pair || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material()
+            !v.one_pair || v.constrained || v.asks_constraints() || v.bonds && !v.one_bond || v.links_by_material()
                 || v.heat.is_some() && !v.one_conductor || v.tempers_pairs()
         },
         rank: read u32 where |v| v.ledger,

@@ -3,7 +3,7 @@
 //! Every kernel reads the flags that the one before it left; while one is up, nothing is computed. The host launches
 //! batches of steps, looks at the status behind each, and only then lists anew or tells the fault.
 
-use super::bodies::{Constants, Fields, Half, step_record, unpaired};
+use super::bodies::{Constants, Fields, Half, constraint_of, step_record, unpaired};
 use super::bonds::Bonds;
 use super::heat::Heat;
 use super::layout::{Contact, Correct, EvaluateBonds, Fused, LinkOf, Predict, Step};
@@ -498,7 +498,7 @@ impl<R: Runtime> Gpu<R> {
         let force = self.queue.read(&self.halves[1 - self.now].place, n)?;
         let motion = self.queue.read(&self.halves[self.now].motion, n)?;
         let kind = self.queue.read(&self.fields.kind, n)?;
-        let constraint = |kind: u32| &self.plan.constraints[(kind >> 16) as usize];
+        let constraint = |kind: u32| &self.plan.constraints[usize::from(constraint_of(kind))];
         let second = force.iter().zip(&motion).zip(&kind);
         let second =
             second.map(|((force, motion), &kind)| second_derivative(force, motion, constraint(kind), self.plan.dt));

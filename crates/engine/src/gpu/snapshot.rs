@@ -1,5 +1,6 @@
 //! From a device's working order to a state in the order of ids.
 
+use super::bodies::constraint_of;
 use super::bonds::{histories, with_breakages};
 use super::memory::Arriving;
 use super::run::Gpu;
@@ -115,7 +116,7 @@ impl<R: Runtime> Snapshot<R> {
             initial_energy: 0.0,
             initial_heat: 0.0,
             material: gather(&at, |i| kind[i] as u16),
-            constraint: gather(&at, |i| (kind[i] >> 16) as u16),
+            constraint: gather(&at, |i| constraint_of(kind[i])),
             radius: gather(&at, |i| place[i].scalar()),
             mass: gather(&at, |i| motion[i].scalar()),
             position: vectors(&at, place),

@@ -51,6 +51,13 @@ pub(super) const CASES: &[Case] = &[
         body: from_case::open_sides,
     },
     Case {
+        name: "thermal/softened",
+        tier: Tier::Quick,
+        source: "Hertz: 2 lambda (3 F R*/(4 E*))^(1/3) under the load F, whatever modulus stands for E",
+        about: "Two spheres and a floor under a given load, of glass and of softened glass with original_young_modulus: what flows.",
+        body: from_case::softened,
+    },
+    Case {
         name: "thermal/unlike",
         tier: Tier::Quick,
         source: "Euler's rule on paper, lambda_12 = 2 lambda_1 lambda_2/(lambda_1 + lambda_2)",

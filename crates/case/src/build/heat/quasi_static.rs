@@ -32,9 +32,14 @@ pub(in crate::build) fn check(context: &Context<'_>, plan: &Plan, state: &State)
         number(program),
         number(program / heat.time_scale)
     );
+    // With a duration of the heat, a longer run has a smaller scale; with a scale, the programme grows with the run.
+    let duration = case.heat.as_ref().and_then(|heat| heat.duration).map(crate::schema::Positive::get);
+    let end = VIBRATIONS * period * duration.map_or(1.0, |duration| duration / program);
+    // Rounded up in the digits that are shown, so that what is read is enough.
+    let end = number(end * (1.0 + 1e-4));
     Some(Problem::new(codes::TIME_SCALE, message).at(place, format!("at most {} times as fast", number(most))).help(
         format!(
-            "the slowest vibration takes {} s, and {VIBRATIONS} of them are needed: make time.end longer",
+            "the slowest vibration takes {} s, and {VIBRATIONS} of them are needed: time.end must be at least {end} s",
             number(period)
         ),
     ))

@@ -16,11 +16,24 @@ const LAYER: f64 = 0.5;
 /// Surfaces as gauges watch them, by name.
 pub(in crate::build) type Surfaces = BTreeMap<String, tdem_engine::Surface>;
 
+/// How large a `[[surface]]` is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceExtent {
+    /// Number of particles that lie at it.
+    pub particles: usize,
+    /// Of all of them together, m²; 0 if they are held at a temperature without depth, which needs none.
+    pub area: f64,
+    /// Depth of their centres behind it, m.
+    pub depth: f64,
+}
+
 /// What a plan has of exposures.
 pub(super) struct Exposed {
     pub(super) exposures: Vec<Exposure>,
     /// Open sides of each of them, a bit for each; empty without.
     pub(super) sides: Vec<u8>,
+    /// Of each `[[surface]]`.
+    pub(super) extents: Vec<SurfaceExtent>,
 }
 
 /// A surface with its particles.
@@ -88,7 +101,12 @@ pub(super) fn expose(
     if heat.open_faces().is_empty() {
         sides.clear();
     }
-    (Exposed { exposures, sides }, surfaces.collect())
+    let extents = skins.iter().map(|skin| SurfaceExtent {
+        particles: skin.members.len(),
+        area: skin.area * skin.members.len() as f64,
+        depth: skin.depth,
+    });
+    (Exposed { exposures, sides, extents: extents.collect() }, surfaces.collect())
 }
 
 /// At which of some sides of all that there is each particle lies, a bit for each.
@@ -132,13 +150,13 @@ fn skin<'c>(
     let cell = lattice_of(context, draft, &members);
     let area = match (surface.area, &cell) {
         (Some(area), _) => area.get() / members.len() as f64,
-        (None, Some(cell)) => cell.area,
-        // Nothing but a temperature held without depth can do without.
-        (None, None) if surface.temperature.is_some() && surface.depth == Depth::Metres(zero()) => 0.0,
-        (None, None) => {
+        // A face of a lattice has a cell's part of each particle; of what lies elsewhere that would be wrong.
+        (None, Some(cell)) if surface.face.is_some() => cell.area,
+        _ if surface.needs_no_area() => 0.0,
+        (None, _) => {
             return Err(Problem::new(codes::MISSING_KEY, "nothing says how large this surface is")
                 .at(place(""), "`area` belongs here")
-                .help("add area = ... in m²; only particles of one lattice can do without"));
+                .help("add area = ... in m²; only a `face` of particles of one lattice can do without"));
         }
     };
     let depth = match (surface.depth, &cell) {
@@ -151,10 +169,6 @@ fn skin<'c>(
         }
     };
     Ok(Skin { surface, index, members, area, depth })
-}
-
-fn zero() -> crate::schema::NonNegative {
-    crate::schema::non_negative(0.0)
 }
 
 /// Those that lie outermost in a direction.

@@ -69,7 +69,10 @@ fn rows_eight<V: Variant, R: Eight>(scene: &Scene<'_>, rows: &mut Rows<'_>) -> C
         let crushes = free & R::bits(touch.overlap.gt(law.overlap_limit * radii[0].min(radii[1])));
         if crushes != 0 {
             for l in (0..width).filter(|l| crushes >> l & 1 != 0) {
-                crushed = Some(worse(crushed, scene.ranks(group.i[l] as usize, group.j[l] as usize)));
+                let (i, j) = (group.i[l] as usize, group.j[l] as usize);
+                if !scene.both_held(i, j) {
+                    crushed = Some(worse(crushed, scene.ranks(i, j)));
+                }
             }
         }
         let settled = touches == u8::MAX && rows.touching[base..base + width] == [true; WIDTH];

@@ -131,7 +131,7 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
 #endif
             if (!(entry & TOUCHING))
                 other[SLOT(k, i)] = j | TOUCHING;
-            if (touch.overlap > step.overlap_limit * (radius < body.radius ? radius : body.radius))
+            if (touch.overlap > step.overlap_limit * (radius < body.radius ? radius : body.radius) && !BOTH_HELD(kind, i, j))
                 flags |= CRUSHED;
 #if MAKES_HEAT
             heat->made_at_contacts += half_of_heat(step, response.losses.friction, response.losses.damping);
@@ -201,7 +201,8 @@ DEVICE u32 sum_contacts(const Step step, const u32 i, const Sphere body, const u
                               step.history_dt, step.lead, &response);
 #endif
             touches = 1;
-            if (touch.overlap > step.overlap_limit * body.radius)
+            if (touch.overlap > step.overlap_limit * body.radius
+                && !(BOTH_HELD(kind, i, i) && inner(wall.velocity, wall.velocity) == 0.0))
                 flags |= CRUSHED;
             f = plus(f, response.force);
 #if MOMENTS

@@ -124,7 +124,13 @@ DEVICE void hand_on(const Step step, GLOBAL u32 *status, const u32 flags, const 
     }
 }
 
-#define CONSTRAINT_OF(kind)  ((kind) >> 16)
+#define CONSTRAINT_OF(kind)  (((kind) >> 16) & 0x7fffu)
+// Whether both particles of a pair stay where they are.
+#if CONSTRAINED
+#define BOTH_HELD(kind, i, j)  ((kind)[i] & (kind)[j] & 0x80000000u)
+#else
+#define BOTH_HELD(kind, i, j)  0
+#endif
 #define MATERIAL_OF(kind)    ((kind) & 0xffffu)
 
 // Puts prescribed components in the place of computed ones.

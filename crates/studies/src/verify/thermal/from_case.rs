@@ -1,4 +1,5 @@
-//! What only a case file says: masses that are scaled, and open sides of a lattice. The scenes are built from cases.
+//! What only a case file says: masses that are scaled, open sides of a lattice, softened materials. The scenes are built from
+//! cases.
 
 use super::{ROOM, SOLID};
 use crate::verify::Kind;
@@ -190,5 +191,87 @@ pub(super) fn open_sides(bench: &mut Bench) -> Result<(), Fault> {
         by_sides,
         Kind::ClosedForm.relative(expected, 1e-9),
     );
+    Ok(())
+}
+
+/// Two spheres, the first on a floor, where each contact bears [`LOAD`]: of glass, or of glass softened by a
+/// factor that its case states or conceals.
+fn pressed(softening: f64, stated: bool, table: bool) -> Result<Scene, Fault> {
+    let modulus = GLASS / softening;
+    // F = 4/3 E* sqrt(R*) h^(3/2), with the same material on both sides.
+    let modulus_eff = modulus / (2.0 * (1.0 - 0.25 * 0.25));
+    let overlap = |radius_eff: f64| libm::pow(0.75 * LOAD / (modulus_eff * radius_eff.sqrt()), 2.0 / 3.0);
+    let low = RADIUS - overlap(RADIUS);
+    let high = low + 2.0 * RADIUS - overlap(0.5 * RADIUS);
+    let original = if stated { format!("original_young_modulus = {GLASS:?}") } else { String::new() };
+    let conductivity = if table { "[[200.0, 1.5], [400.0, 1.5]]" } else { "1.5" };
+    let text = format!(
+        r#"
+model = "GN"
+gravity = [0.0, 0.0, 0.0]
+domain = {{ min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 1.0] }}
+time = {{ end = 1.0, step = 1e-7 }}
+[material.glass]
+density = 2500.0
+young_modulus = {modulus:?}
+{original}
+poisson_ratio = 0.25
+thermal_conductivity = {conductivity}
+specific_heat = 900.0
+thermal_expansion = 0.0
+[[interaction]]
+between = ["glass", "glass"]
+normal_damping = 0.0
+[heat]
+initial_temperature = 300.0
+scale = "kelvin"
+contacts = "circle"
+bar_radius = 1.0
+[[wall]]
+name = "floor"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+material = "glass"
+temperature = 400.0
+[[particles]]
+material = "glass"
+allow_overlap = true
+list = {{ radius = {RADIUS:?}, positions = [[0.0, 0.0, {low:?}], [0.0, 0.0, {high:?}]] }}
+"#
+    );
+    let built = tdem_case::parse("case.toml", &text, Path::new("."), &[])
+        .and_then(|loaded| loaded.build())
+        .map_err(|_| Fault::Inconsistent { what: "a case of the catalogue can be built" })?;
+    let mut scene = Scene { state: built.state, plan: built.plan };
+    scene.state.temperature[1] = 250.0;
+    Ok(scene)
+}
+
+/// Load of each contact of [`pressed`], N.
+const LOAD: f64 = 1e-3;
+/// Young's modulus, Pa.
+const GLASS: f64 = 6e10;
+
+pub(super) fn softened(bench: &mut Bench) -> Result<(), Fault> {
+    let glass = bench.after(&pressed(1.0, false, false)?, 0)?;
+    for (softening, table) in [(1e3, false), (1e3, true), (30.0, false)] {
+        let soft = bench.after(&pressed(softening, true, table)?, 0)?;
+        let what = |what: &str| {
+            let how = if table { ", conductivity over temperature" } else { "" };
+            format!("{softening:?} times softer{how}: {what}")
+        };
+        bench.judge(what("load"), "N", soft.force[1][2], Kind::ClosedForm.relative(LOAD, 1e-9));
+        let [rate, expected] = [&soft, &glass].map(|state| state.heat_rate[1]);
+        bench.judge(what("from sphere to sphere"), "W", rate, Kind::ClosedForm.relative(expected, 1e-9));
+        let [rate, expected] = [&soft, &glass].map(|state| state.heat_rate[0] + state.heat_rate[1]);
+        bench.judge(what("from the floor"), "W", rate, Kind::ClosedForm.relative(expected, 1e-9));
+    }
+    // a = (3 F R*/(4 E*))^(1/3), by itself.
+    let radius = libm::cbrt(0.75 * LOAD * 0.5 * RADIUS / (GLASS / (2.0 * (1.0 - 0.25 * 0.25))));
+    let expected = 2.0 * 1.5 * radius * (glass.temperature[0] - glass.temperature[1]);
+    bench.judge("glass: from sphere to sphere", "W", glass.heat_rate[1], Kind::ClosedForm.relative(expected, 1e-9));
+    let concealed = bench.after(&pressed(1e3, false, false)?, 0)?;
+    let ratio = concealed.heat_rate[1] / glass.heat_rate[1];
+    bench.judge("1000 times softer and not stated", "1", ratio, Kind::ClosedForm.relative(10.0, 1e-9));
     Ok(())
 }
