@@ -510,20 +510,20 @@ fn what_is_wrong_is_told_at_once_whatever_keys_are_unknown() {
 }
 
 #[test]
-fn hundreds_of_thousands_of_problems_take_no_time_and_are_counted() {
-    let keys: String = (0..300_000).map(|k| format!("key_number_{k} = {k}\n")).collect();
+fn a_hundred_thousand_problems_take_no_time_and_are_counted() {
+    let keys: String = (0..100_000).map(|k| format!("key_number_{k} = {k}\n")).collect();
     let pair = interaction("a", "a");
     let start = std::time::Instant::now();
     let unknown = loaded(&format!("{ONE}[output]\n{keys}"), &[]).unwrap_err();
     let again = loaded(&format!("{ONE}{}", pair.repeat(20_000)), &[]).unwrap_err();
     for (problems, code, count) in
-        [(unknown, "tdem::case::unknown-key", 299_980), (again, "tdem::case::duplicate-interaction", 19_980)]
+        [(unknown, "tdem::case::unknown-key", 99_980), (again, "tdem::case::duplicate-interaction", 19_980)]
     {
         assert_eq!(problems.problems.len(), 20);
         assert!(problems.problems.iter().all(|problem| problem.code == code));
         assert!(problems.problems[19].message.ends_with(&format!("(and {count} more with this code)")));
         assert!(problems.to_string().len() < 20_000);
     }
-    // Before, they took 100 times as long as a tenth of them.
-    assert!(start.elapsed().as_secs() < 300, "{:?}", start.elapsed());
+    // Ten times as many took a hundred times as long, 11 minutes.
+    assert!(start.elapsed().as_secs() < 120, "{:?}", start.elapsed());
 }
