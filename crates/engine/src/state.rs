@@ -1,5 +1,9 @@
 //! What a simulation is: all that is needed to go on.
 
+mod flaw;
+
+pub use flaw::{Flaw, Wrong};
+
 use crate::{Bond, BondHistory, Fault, Plan};
 use xxhash_rust::xxh3::Xxh3;
 
