@@ -250,11 +250,13 @@ fn nothing_is_written_through_a_link() {
     assert!(is_whole());
 }
 
+/// What is done to a run.
+type Harm = fn(&Path);
+
 #[test]
 fn displacements_go_on_counting_from_the_start_when_the_first_checkpoint_is_gone() {
     let straight = tempfile::tempdir().unwrap();
     run_new(straight.path(), 400);
-    type Harm = fn(&Path);
     let harms: [(&str, Harm, bool); 5] = [
         (
             "the first checkpoint deleted",

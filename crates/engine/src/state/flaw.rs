@@ -88,9 +88,11 @@ impl State {
         ] {
             length(field, rows, n)?;
         }
-        let bonded = if self.bonds.is_empty() { 0 } else { n };
-        length("orientation", self.orientation.len(), bonded)?;
-        length("bonded_position", self.bonded_position.len(), bonded)?;
+        for (field, rows) in [("orientation", self.orientation.len()), ("bonded_position", self.bonded_position.len())]
+        {
+            // Where the last bond was taken away they may have stayed.
+            length(field, rows, if rows == 0 && self.bonds.is_empty() { 0 } else { n })?;
+        }
         let heated = self.temperature.len();
         for (field, rows, whole) in [
             ("derivatives", self.derivatives.len(), n),

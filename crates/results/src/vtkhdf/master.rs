@@ -271,11 +271,10 @@ impl<'a> Series<'a> {
 /// The first few names, and how many more there are.
 fn in_brief(names: &[String]) -> String {
     const SHOWN: usize = 20;
-    let mut text = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
-    if names.len() > SHOWN {
-        text += &format!(" and {} more", names.len() - SHOWN);
-    }
-    text + ": damaged or gone"
+    let shown = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let more = names.len().saturating_sub(SHOWN);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{shown}{more}: damaged or gone")
 }
 
 /// Where the rows of each instant begin.
