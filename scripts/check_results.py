@@ -8,7 +8,9 @@ finding if anything is wrong.
 """
 
 import csv
+import shutil
 import sys
+import tempfile
 import tomllib
 from pathlib import Path
 
@@ -127,6 +129,32 @@ def check_series(findings, path, frames):
                 expected = np.concatenate([frame["blocks"][name][place][field] for frame in instants])
                 findings.check(np.array_equal(data[...], expected, equal_nan=True), f"{path}: h5py reads another {field}")
                 findings.check("unit" in data.attrs, f"{path}: {field} has no unit")
+
+
+def check_copy(findings, path):
+    """A master copied without its frames: it holds all numbers, or says that it is an index and shows none."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(shutil.copy(path, folder))
+        with h5py.File(path) as file, h5py.File(copy) as alone:
+            index = "index" in file.attrs["content"].decode()
+            for place in ("Points", "PointData", "CellData"):
+                group = file["VTKHDF"][place]
+                names = [place] if place == "Points" else [f"{place}/{name}" for name in group]
+                for name in names:
+                    here, there = alone["VTKHDF"][name][...], file["VTKHDF"][name][...]
+                    if index:
+                        nothing = np.isnan(here) if here.dtype.kind == "f" else here == -1
+                        findings.check(bool(nothing.all()), f"{path}: a copy without frames shows numbers in {name}")
+                    else:
+                        findings.check(np.array_equal(here, there, equal_nan=True), f"{path}: a copy has another {name}")
+        reader = vtk.vtkHDFReader()
+        reader.SetFileName(str(copy))
+        reader.Update()
+        data = reader.GetOutputDataObject(0)
+        if index:
+            findings.check(data.GetNumberOfPoints() == 0, f"{path}: a copy without frames shows points")
+        elif path.stem == "particles":
+            findings.check(data.GetNumberOfPoints() > 0, f"{path}: a copy shows no points")
 
 
 def check_physics(findings, frame, row):
@@ -288,6 +316,7 @@ def check_run(findings, run):
     findings.check([path.stem for path in masters] == names, f"{run}: masters {masters} for blocks {names}")
     for path in masters + sorted((run / "packed").glob("*.vtkhdf")):
         check_series(findings, path, frames)
+        check_copy(findings, path)
     rows = sum(frame["step"] in history for frame in frames)
     print(f"{run}: {len(frames)} frames, {len(history)} rows of history, {rows} compared, blocks {', '.join(names)}")
 

@@ -151,7 +151,7 @@ fn read(file: &str, columns: [(&'static str, &str); 2], factor: f64, base_dir: &
     let path = base_dir.join(file);
     let name = path.display();
     let fault = |code, key, what: String, help: &str| Fault { code, key, what, help: help.to_owned() };
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let text = table::read(&path).map_err(|error| {
         let help = "paths are relative to the folder of the case";
         fault(codes::CSV_UNREADABLE, "file", format!("cannot read {name}: {error}"), help)
     })?;

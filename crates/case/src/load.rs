@@ -8,6 +8,7 @@ use crate::overrides;
 use crate::problem::{Problem, Problems, Source};
 use crate::schema::{Case, Model, OutOfRange, Positive, Step, json_schema};
 use crate::structure;
+use crate::table;
 use crate::tree::Node;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +30,7 @@ pub struct Loaded {
 /// All problems that the text shows.
 pub fn load(path: &Path, overrides: &[(String, String)]) -> Result<Loaded, Problems> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|e| {
+    let text = table::read(path).map_err(|e| {
         let help = match e.kind() {
             std::io::ErrorKind::NotFound => "`tdem new NAME` writes a starter case",
             std::io::ErrorKind::InvalidData => "a case is UTF-8 text",

@@ -1,5 +1,16 @@
 //! Tables in text files: their lines, and whether they are complete.
 
+use std::path::Path;
+
+/// Reads a text file. A mark of the order of bytes, which some programs write first, is left out.
+pub(crate) fn read(path: &Path) -> std::io::Result<String> {
+    let text = std::fs::read_to_string(path)?;
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(text) => text.to_owned(),
+        None => text,
+    })
+}
+
 /// Lines that say something, with their numbers: neither empty nor remarks, which begin with #.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let numbered = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));

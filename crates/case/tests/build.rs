@@ -315,6 +315,41 @@ fn the_state_of_another_run_goes_on() {
 }
 
 #[test]
+fn a_state_that_no_run_leaves_is_refused_with_its_field() {
+    let first = build(&RANDOM.replace("200", "3"), &[]);
+    let run = "[[particles]]\nmaterial = 'a'\n[particles.run]\ndirectory = 'earlier'\n";
+    let harms: [(&str, fn(&mut State)); 5] = [
+        ("velocity", |state| state.velocity.truncate(1)),
+        ("position", |state| state.position[2][0] = f64::NAN),
+        ("radius", |state| state.radius[0] = f64::INFINITY),
+        ("temperature", |state| state.temperature = vec![300.0]),
+        ("contacts.pair", |state| state.contacts = vec![Contact { first: 0, second: 3, displacement: [0.0; 3] }]),
+    ];
+    for (field, harm) in harms {
+        let mut state = first.state.clone();
+        harm(&mut state);
+        let loader = |_: &Path| Ok(state.clone());
+        let problem = loaded(run, &[]).unwrap().build_with(&loader).unwrap_err().problems.remove(0);
+        assert_eq!(problem.code, "tdem::case::run-unreadable");
+        assert!(problem.message.contains(&format!("`{field}`")), "{}", problem.message);
+    }
+}
+
+#[test]
+fn files_that_begin_with_a_mark_of_the_order_of_bytes_are_read() {
+    let folder = std::env::temp_dir().join(format!("tdem-marked-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), format!("\u{feff}{text}")).unwrap();
+    write("spheres.csv", "x,y,z,radius,id\r\n0.5,0.5,0.5,0.1,4\r\n");
+    let csv = "[[particles]]\nmaterial = 'a'\n[particles.csv]\nfile = 'spheres.csv'\n";
+    write("case.toml", &format!("{}{}{csv}", REST.trim_start(), interaction("a", "a")));
+    let built =
+        tdem_case::load(&folder.join("case.toml"), &[]).and_then(|l| l.build()).unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!((built.state.id, built.state.position), (vec![4], vec![[0.5; 3]]));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn limits_agree_with_the_formulas() {
     // Two spheres without gravity: R = 0.1, rho = 1000, E = 1e7, nu = 0.25, at 2 m/s each.
     let two = ONE.replace("[[0.5, 0.5, 0.5]]", "[[0.3, 0.5, 0.5], [0.7, 0.5, 0.5]]");

@@ -214,6 +214,12 @@ tdem_case::codes! {
     /// there.
     error IO = "tdem::results::io";
 
+    /// A symbolic link, or a device, stands where a run writes a file or a folder of its own. A run that comes from elsewhere
+    /// could lead to any file of yours by it, so that nothing is written.
+    ///
+    /// Remove the link. To keep a run on another disk, link its whole directory, not what is in it.
+    error LINKED = "tdem::results::linked";
+
     /// Another process works in the directory of the run.
     ///
     /// Wait for it, or stop it. A process that has ended holds no lock, however it ended.
@@ -223,6 +229,11 @@ tdem_case::codes! {
     ///
     /// Run the case again; the same case gives the same bits.
     error NO_CHECKPOINT = "tdem::results::no-checkpoint";
+
+    /// None of the frames of the run can be used: they are damaged or gone.
+    ///
+    /// Run the case again; the same case gives the same bits.
+    error NO_GOOD_FRAME = "tdem::results::no-good-frame";
 
     /// The run has no frames.
     ///
@@ -245,14 +256,22 @@ tdem_case::codes! {
     /// again.
     error RESULTS_OTHER_CASE = "tdem::results::other-case";
 
+    /// Where particles were at the start of the run is not known any more: `start.safetensors` and the checkpoint of step 0 are
+    /// damaged or gone.
+    ///
+    /// The run goes on. `displacement` is not a number in frames from here on; it is there in those before. Put one of the files
+    /// back if you have a copy, then resume.
+    warning START_LOST = "tdem::results::start-lost";
+
     /// A picture cannot be compressed.
     ///
     /// Nothing in a case causes this: please report it with the command.
     error PICTURE = "tdem::results::picture";
 
-    /// A picture has no pixels, or more than can be held.
+    /// A picture has no pixels, or more than there is memory to draw.
     ///
-    /// Between 1 and 16,384 are possible in each direction.
+    /// Between 1 and 16,384 are possible in each direction. Drawing takes some 45 bytes for each pixel: ask for fewer with
+    /// `--size`, or `size` of the `[[picture]]`.
     error PICTURE_SIZE = "tdem::results::picture-size";
 
     /// The page about the run could not be written. The run is whole without it.
@@ -265,9 +284,11 @@ tdem_case::codes! {
     /// Go on with it (`tdem resume DIR`), replace it (`--overwrite`), or keep both (`--out DIR`).
     error RUN_EXISTS = "tdem::results::run-exists";
 
-    /// A frame cannot be read, so that `particles.vtkhdf` and its like go on without it.
+    /// A frame does not have the bytes that it was written with, is gone, or cannot be read, so that `particles.vtkhdf` and its
+    /// like go on without it, and say so; or the list of frames, `frames.csv`, was changed itself.
     ///
-    /// The run goes on. Remove the file; steps cannot be drawn again but by running the case again.
+    /// The run goes on. If you have a copy of the file, put it back; else only running the case again brings the frame back.
+    /// `xxh128sum` finds the sums that `frames.csv` lists.
     warning UNREADABLE_FRAME = "tdem::results::unreadable-frame";
 
     /// The domain repeats in a direction in which it is shorter than twice the distance of neighbours, so that a particle
@@ -316,6 +337,12 @@ tdem_case::codes! {
     /// Most often the time step is too large (`tdem check` shows the limits), a load is too large for particles this soft, or
     /// something was prescribed that pushes particles into each other.
     error OVERLAP = "tdem::run::overlap";
+
+    /// An energy or a temperature over all particles is infinite or not a number: the simulation diverged.
+    ///
+    /// Most often the time step is too large (`tdem check` shows the limits), or a value of the case is beyond all that can be
+    /// computed with.
+    error UNBOUNDED = "tdem::run::unbounded";
 
     /// A temperature is not above absolute zero, or not a number.
     ///

@@ -3,8 +3,8 @@
 use crate::codes;
 use crate::render::{Report, Reports};
 use crate::units::argument;
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, OpenOptions};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Where a file is written before it takes its name.
@@ -19,6 +19,16 @@ fn is_stream(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
+/// Writes a file that is new: one that a link, left there by somebody else, leads to is not touched.
+fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    if let Err(error) = fs::remove_file(path)
+        && error.kind() != ErrorKind::NotFound
+    {
+        return Err(error);
+    }
+    OpenOptions::new().write(true).create_new(true).open(path)?.write_all(bytes)
+}
+
 /// Finds out before long work whether a file can be written behind it. What stands there is not touched.
 pub(crate) fn try_to_write(path: &Path) -> Result<(), Reports> {
     let tried = if path.is_dir() {
@@ -27,7 +37,7 @@ pub(crate) fn try_to_write(path: &Path) -> Result<(), Reports> {
         Ok(())
     } else {
         let unfinished = unfinished(path);
-        fs::write(&unfinished, []).and_then(|()| fs::remove_file(&unfinished))
+        write_new(&unfinished, &[]).and_then(|()| fs::remove_file(&unfinished))
     };
     tried.map_err(|error| refused(path, &error))
 }
@@ -38,7 +48,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Reports> {
         return fs::write(path, bytes).map_err(|error| refused(path, &error));
     }
     let unfinished = unfinished(path);
-    fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path)).map_err(|error| {
+    write_new(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path)).map_err(|error| {
         // What cannot be written can often not be removed either; the first error is what must be told.
         let _ = fs::remove_file(&unfinished);
         refused(path, &error)

@@ -94,6 +94,16 @@ fn of_run(run: &Path) -> Result<String, Reports> {
     if !info.blocks.is_empty() {
         let masters: Vec<String> = info.blocks.iter().map(|block| format!("{block}.vtkhdf")).collect();
         text += &entry("ParaView", masters.join(", "));
+        text += &entry(
+            "",
+            match info.complete {
+                Some(true) => "each of these files can be sent by itself".to_owned(),
+                _ => format!(
+                    "an index: the numbers are in frames/; `tdem pack {}` makes files that can be sent",
+                    argument(run)
+                ),
+            },
+        );
     }
     text += &entry("history.csv", counted(info.history_rows as u64, "row"));
     for (index, checkpoint) in info.checkpoints.iter().enumerate() {

@@ -8,12 +8,12 @@ use crate::render::{Report, Reports};
 use crate::units::{argument, grouped, number, short};
 use clap::{Args, ValueEnum};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tdem_case::schema::View;
 use tdem_engine::{Plan, State};
 use tdem_results::picture::{self, Clip, Colour, Options, Subject, render};
-use tdem_results::{Error, checkpoint, info};
+use tdem_results::{Error, FinalState, checkpoint, info};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -170,6 +170,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let path = arguments.out.clone().unwrap_or_else(|| picture::file_of(run, name, state.step));
     if let (Some(folder), None) = (path.parent(), &arguments.out) {
         fs::create_dir_all(folder).map_err(|error| refused(folder, &error))?;
+        if folder.is_symlink() {
+            return Err(Error::Linked { path: folder.into() }.into());
+        }
     }
     files::write(&path, &picture)?;
     say(format!(
@@ -187,15 +190,27 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
 /// The checkpoint to draw.
 fn choose(arguments: &Arguments, plan: &Plan) -> Result<State, Reports> {
     let run = &arguments.run;
-    let Some(time) = arguments.time else { return Ok(tdem_results::load_final_state(run)?.state) };
+    let Some(time) = arguments.time else {
+        let FinalState { state, path, .. } = tdem_results::load_final_state(run)?;
+        return fitting(state, plan, &path);
+    };
     let mut good: Vec<_> =
         info(run)?.checkpoints.into_iter().filter(|checkpoint| checkpoint.particles.is_ok()).collect();
     good.sort_by(|a, b| (plan.time(a.step) - time).abs().total_cmp(&(plan.time(b.step) - time).abs()));
     let Some(nearest) = good.first() else {
         return Err(Error::NoCheckpoint { damaged: 0, path: run.clone() }.into());
     };
-    checkpoint::read(&nearest.path).map_err(|damage| {
+    let state = checkpoint::read(&nearest.path).map_err(|damage| {
         Report::new(codes::NO_CHECKPOINT, format!("a checkpoint is damaged, {damage}: {}", argument(&nearest.path)))
-            .into()
-    })
+    })?;
+    fitting(state, plan, &nearest.path)
+}
+
+/// The state, if it is one of this case: what is drawn looks up its materials, walls and bonds.
+fn fitting(state: State, plan: &Plan, path: &Path) -> Result<State, Reports> {
+    state.validate(plan).map_err(|fault| {
+        let message = format!("a checkpoint does not fit the case of the run, {fault}: {}", argument(path));
+        Report::new(codes::RESULTS_OTHER_CASE, message)
+    })?;
+    Ok(state)
 }

@@ -3,6 +3,7 @@
 use crate::cases;
 use crate::codes;
 use crate::console::say;
+use crate::pack;
 use crate::render::{self, Report, Reports};
 use crate::signals::Signals;
 use crate::units::{argument, grouped, short};
@@ -43,13 +44,15 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let device = arguments.work.machine.find()?;
     let built = cases::build(&loaded)?;
     let schedule = arguments.work.schedule(built.schedule);
-    let Resumed { directory, state, damaged, unreadable_frames } = RunDirectory::open(run)?;
+    let Resumed { directory, state, damaged, unreadable_frames, start_lost } = RunDirectory::open(run)?;
     for damaged in &damaged {
         let told = Report::new(codes::DAMAGED_CHECKPOINT, damaged.to_string());
         render::warn(&told.help("the one before it is used; steps since then are computed again").into());
     }
-    for unreadable in &unreadable_frames {
-        render::warn(&Report::new(codes::UNREADABLE_FRAME, unreadable.to_string()).into());
+    pack::warn_of(&unreadable_frames);
+    if let Some(lost) = &start_lost {
+        let told = Report::new(codes::START_LOST, format!("displacements are not known any more, {lost}"));
+        render::warn(&told.help("frames from here on hold not a number for them; all else goes on as before").into());
     }
     let state = match state {
         Some(state) if !cases::belongs(&state, &built) => {

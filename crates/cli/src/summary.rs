@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tdem_case::{Built, Loaded};
 use tdem_engine::{Ledger, Motion, Schedule, Scheme};
-use tdem_results::{Progress, info};
+use tdem_results::{Progress, glance};
 
 /// What a run is about to do.
 pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, device: &str, out: &Path) -> String {
@@ -157,12 +157,14 @@ fn files(run: &Path, curves: &[PathBuf]) -> String {
         let _ = writeln!(text, "  {name:<31} {what}");
     };
     // A run that cannot be looked at has already said why.
-    if let Ok(info) = info(run)
-        && !info.frames.is_empty()
+    if let Ok(seen) = glance(run)
+        && !seen.masters.is_empty()
     {
-        let masters: Vec<String> = info.blocks.iter().map(|block| format!("{block}.vtkhdf")).collect();
-        let frames = counted(info.frames.len() as u64, "frame");
-        file(&masters.join(", "), &format!("{frames}; open them in ParaView and press Apply"));
+        let frames = counted(seen.frames as u64, "frame");
+        file(&seen.masters.join(", "), &format!("{frames}; open them in ParaView and press Apply"));
+        if !seen.complete {
+            file("", &format!("they need frames/ beside them: send what `tdem pack {}` makes", argument(run)));
+        }
     }
     file("history.csv", "energies and contacts over time");
     for curve in curves {

@@ -227,7 +227,11 @@ pub(crate) fn fault_report(error: RunError, dt: f64) -> Reports {
 /// What most often is behind a fault.
 fn cause(fault: &Fault, dt: f64) -> String {
     match fault {
-        Fault::NotFinite { .. } | Fault::Escaped { .. } | Fault::Overlap { .. } | Fault::WallOverlap { .. } => format!(
+        Fault::NotFinite { .. }
+        | Fault::Unbounded { .. }
+        | Fault::Escaped { .. }
+        | Fault::Overlap { .. }
+        | Fault::WallOverlap { .. } => format!(
             "most often the time step is too large (it is {} s; `tdem check` shows the limits), or something was \
              prescribed that pushes particles into each other or through walls\n",
             short(dt)
@@ -273,6 +277,7 @@ fn fault_code(fault: &Fault) -> Code {
         Fault::NotFinite { .. } => codes::NOT_FINITE,
         Fault::Escaped { .. } => codes::ESCAPED,
         Fault::Temperature { .. } => codes::TEMPERATURE,
+        Fault::Unbounded { .. } => codes::UNBOUNDED,
         Fault::Conduction { .. } => codes::CONDUCTION,
         Fault::Overlap { .. } | Fault::WallOverlap { .. } => codes::OVERLAP,
         Fault::ListOverflow { .. } => codes::LIST_OVERFLOW,
@@ -325,11 +330,17 @@ impl From<Error> for Reports {
             }
             Error::Format { .. } => (codes::FORMAT, None),
             Error::Locked { .. } => (codes::LOCKED, None),
+            Error::Linked { .. } => {
+                (codes::LINKED, Some("remove the link; to keep a run elsewhere, link its whole directory"))
+            }
+            Error::Frame { .. } | Error::FrameList { .. } => (codes::NO_GOOD_FRAME, None),
             Error::Occupied { .. } => (codes::OCCUPIED, Some("choose another directory with --out")),
-            Error::NoCheckpoint { .. } => (codes::NO_CHECKPOINT, None),
+            Error::NoCheckpoint { .. } | Error::Damaged(_) => {
+                (codes::NO_CHECKPOINT, Some("`tdem info` on the run tells what is wrong with each checkpoint"))
+            }
             Error::NoFrames { .. } => (codes::NO_FRAMES, Some("a case writes frames unless it says output.frames = 0")),
             Error::HistoryColumns { .. } => (codes::HISTORY_COLUMNS, None),
-            Error::PictureSize { .. } => (codes::PICTURE_SIZE, None),
+            Error::PictureSize { .. } | Error::PictureMemory { .. } => (codes::PICTURE_SIZE, None),
             Error::Picture { .. } => (codes::PICTURE, None),
             Error::NoColumn { .. } | Error::Drawing { .. } => (codes::CURVE, None),
         };

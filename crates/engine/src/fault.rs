@@ -29,6 +29,20 @@ pub enum Fault {
         /// K.
         temperature: f64,
     },
+    /// A sum over all particles is no number, or beyond all numbers.
+    #[error("`{quantity}` is {value} {unit} at step {step} (t = {time:.6e} s)")]
+    Unbounded {
+        /// Step that found it.
+        step: u64,
+        /// Its time, s.
+        time: f64,
+        /// Its name, as `history.csv` has it.
+        quantity: &'static str,
+        /// What it is.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
     /// The temperatures of the end of a step were not found.
     #[error(
         "the temperatures of step {step} (t = {time:.6e} s) were not found in {iterations} iterations: they are \
@@ -135,6 +149,7 @@ impl Fault {
         match &mut self {
             Fault::NotFinite { step, time, .. }
             | Fault::Temperature { step, time, .. }
+            | Fault::Unbounded { step, time, .. }
             | Fault::Conduction { step, time, .. }
             | Fault::Escaped { step, time, .. }
             | Fault::Overlap { step, time, .. }

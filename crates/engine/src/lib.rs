@@ -52,6 +52,6 @@ pub use profile::{Part, Profile, STAGES};
 pub use schedule::Schedule;
 pub use simulation::Simulation;
 pub use staggered::Turns;
-pub use state::{Contact, State, WallContact, energy_accounts};
+pub use state::{Contact, Flaw, State, WallContact, Wrong, energy_accounts};
 pub use table::Table;
 pub use tdem_physics as physics;

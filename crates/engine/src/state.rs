@@ -1,6 +1,9 @@
 //! What a simulation is: all that is needed to go on.
 
+mod flaw;
 mod hash;
+
+pub use flaw::{Flaw, Wrong};
 
 use crate::{Bond, BondHistory, Fault, Plan};
 

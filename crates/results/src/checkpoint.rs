@@ -81,16 +81,23 @@ pub fn write(folder: &Path, state: &State) -> Result<PathBuf, Error> {
     Ok(path)
 }
 
-/// Reads a checkpoint and checks every hash.
+/// Reads a checkpoint, checks every hash, and that the numbers are those of a state: whatever is computed from it can rely on
+/// lengths, ids and finite numbers.
 ///
 /// # Errors
 /// What is wrong with it.
 pub fn read(path: &Path) -> Result<State, Damage> {
-    decode(&fs::read(path).map_err(|error| Damage::Inaccessible { kind: error.kind() })?)
+    let state = decode(&fs::read(path).map_err(|error| Damage::Inaccessible { kind: error.kind() })?)?;
+    match step_of(path) {
+        Some(step) if step != state.step => Err(Damage::Name { step: state.step }),
+        _ => Ok(state),
+    }
 }
 
 fn decode(bytes: &[u8]) -> Result<State, Damage> {
-    Reader::new(bytes, FORMAT)?.state()
+    let state = Reader::new(bytes, FORMAT)?.state()?;
+    state.look_for_flaws()?;
+    Ok(state)
 }
 
 /// What a state holds in another form than its tensors.
@@ -299,7 +306,7 @@ impl Reader<'_> {
             step: self.one("step")?,
             forces_known: self.one::<u8>("forces_known")? != 0,
             initial_energy: self.one("initial_energy")?,
-            initial_heat: self.of_heat("initial_heat")?.first().copied().unwrap_or(0.0),
+            initial_heat: if self.has("temperature") { self.one("initial_heat")? } else { 0.0 },
             id: self.rows("id")?,
             material: self.rows("material")?,
             constraint: self.rows("constraint")?,
@@ -340,51 +347,232 @@ impl Reader<'_> {
 mod tests {
     use super::*;
 
+    /// Particles, with all that they have without bonds and heat.
+    fn particles(id: Vec<u32>) -> State {
+        let count = id.len();
+        State {
+            step: 12,
+            initial_energy: 0.25,
+            material: (0..count as u16).collect(),
+            constraint: vec![0; count],
+            radius: vec![1e-3; count],
+            mass: vec![2e-3; count],
+            position: vec![[0.1, -0.0, 0.3]; count],
+            image: vec![[0, -1, 1]; count],
+            velocity: vec![[0.5; 3]; count],
+            angular_velocity: vec![[-1.0, 0.0, 2.0]; count],
+            force: vec![[0.25; 3]; count],
+            moment: vec![[0.125; 3]; count],
+            id,
+            ..State::default()
+        }
+    }
+
     #[test]
     fn a_change_of_any_byte_is_found() {
         let state = State {
-            step: 12,
-            initial_energy: 0.25,
-            id: vec![0, 1],
-            material: vec![0, 3],
-            position: vec![[0.1, -0.0, 0.3]; 2],
             derivatives: vec![[[1.0; 3]; 4]; 2],
             contacts: vec![Contact { first: 0, second: 1, displacement: [1.0, 2.0, 3.0] }],
-            ..State::default()
+            ..particles(vec![0, 1])
         };
         every_change_is_found(&state);
         assert!(tensors(&state, &Apart::of(&state)).iter().all(|tensor| !tensor.name.contains("bond")));
     }
 
-    #[test]
-    fn a_change_of_any_byte_of_bonds_is_found() {
+    /// Two bonds between three particles, one of them broken.
+    fn bonded() -> State {
         let breakage = Some(Breakage { step: 7, failure: Failure::Shear, energy: 1e-3 });
         let history = BondHistory { normal: [1.0, 2.0, 3.0], tension: 4.0, shear: [5.0, 6.0, 7.0], couple: [8.0; 3] };
-        every_change_is_found(&State {
-            step: 12,
-            id: vec![0, 1, 5],
+        State {
             orientation: vec![[0.0, 0.0, 0.6, 0.8]; 3],
             bonded_position: vec![[0.1, 0.2, 0.3]; 3],
             bonds: vec![Bond::new(0, 1, 0.75), Bond { breakage, ..Bond::new(1, 5, 1.0) }],
             bond_histories: vec![history, BondHistory::default()],
-            ..State::default()
-        });
+            ..particles(vec![0, 1, 5])
+        }
     }
 
     #[test]
-    fn a_change_of_any_byte_of_heat_is_found() {
-        every_change_is_found(&State {
-            step: 12,
-            id: vec![0, 1, 5],
-            material: vec![0, 3, 1],
+    fn a_change_of_any_byte_of_bonds_is_found() {
+        every_change_is_found(&bonded());
+    }
+
+    /// Particles with heat.
+    fn heated(state: State) -> State {
+        State {
             temperature: vec![293.15, 400.0, 1e3],
             heat_rate: vec![0.0, -1.5, 2.0],
             exposure: vec![0, 1, 2],
             reference_radius: vec![1e-3; 3],
             heat_accounts: vec![[1.0, 2.0, 3.0, -4.0]; 3],
             work_per_kelvin: vec![0.5, -0.25, 0.125],
-            ..State::default()
-        });
+            ..state
+        }
+    }
+
+    #[test]
+    fn a_change_of_any_byte_of_heat_is_found() {
+        every_change_is_found(&heated(particles(vec![0, 1, 5])));
+    }
+
+    /// A state that has something in every tensor.
+    fn full() -> State {
+        State {
+            accounts: vec![[0.0; 4]; 3],
+            derivatives: vec![[[1.0; 3]; 4]; 3],
+            wall_position: vec![[0.0; 3]; 2],
+            contacts: vec![Contact { first: 0, second: 1, displacement: [1e-6; 3] }],
+            wall_contacts: vec![WallContact { particle: 5, wall: 1, displacement: [1e-6; 3] }],
+            ..heated(bonded())
+        }
+    }
+
+    /// A tensor as the file has it.
+    struct Part {
+        name: String,
+        kind: String,
+        shape: Vec<usize>,
+        bytes: Vec<u8>,
+    }
+
+    fn parts(state: &State) -> Vec<Part> {
+        let apart = Apart::of(state);
+        tensors(state, &apart)
+            .iter()
+            .map(Tensor::parts)
+            .map(|(n, k, s, b)| Part { name: n, kind: k, shape: s, bytes: b })
+            .collect()
+    }
+
+    /// The file of such tensors, with all hashes as they should be.
+    fn file_of(parts: &[Part]) -> Vec<u8> {
+        tensors::file(
+            FORMAT,
+            parts.iter().map(|part| (part.name.as_str(), part.kind.as_str(), &part.shape[..], &part.bytes[..])),
+        )
+    }
+
+    /// That a file with right hashes is refused, and the tensor named.
+    fn refused(parts: &[Part], name: &str, how: &str) {
+        match decode(&file_of(parts)) {
+            Err(damage) => assert!(damage.to_string().contains(name), "{how} `{name}`: {damage}"),
+            Ok(_) => panic!("{how} `{name}` was taken"),
+        }
+    }
+
+    #[test]
+    fn a_crafted_tensor_of_another_length_is_refused_by_its_name() {
+        let whole = parts(&full());
+        assert_eq!(decode(&file_of(&whole)), Ok(full()));
+        // Without these there are none of their kind; any length of walls is one.
+        let kinds = ["bonds.pair", "temperature"];
+        for (index, part) in whole.iter().enumerate() {
+            let rows = part.shape[0];
+            let row = part.bytes.len() / rows;
+            let changed = |rows_now: usize| {
+                let mut parts = parts(&full());
+                parts[index].shape[0] = rows_now;
+                parts[index].bytes = part.bytes.iter().copied().cycle().take(rows_now * row).collect();
+                parts
+            };
+            for rows_now in [rows + 1, 2 * rows, rows - 1, 0].into_iter().filter(|&now| now != rows) {
+                let parts = changed(rows_now);
+                // None at all is what a model without them has.
+                let optional = [
+                    "derivatives",
+                    "accounts",
+                    "reference_radius",
+                    "heat_accounts",
+                    "work_per_kelvin",
+                    "bonds.history",
+                ];
+                if rows_now == 0 && optional.contains(&part.name.as_str()) {
+                    assert!(decode(&file_of(&parts)).is_ok(), "{}", part.name);
+                } else if part.name == "id" || part.name.starts_with("wall") || kinds.contains(&part.name.as_str()) {
+                    // Others then do not belong to it.
+                    assert!(decode(&file_of(&parts)).is_err() || part.name == "wall_position", "{}", part.name);
+                } else if !(part.name.contains("contacts") || part.name.starts_with("bonds.")) {
+                    refused(&parts, &part.name, "another length of");
+                } else {
+                    assert!(decode(&file_of(&parts)).is_err(), "{}", part.name);
+                }
+            }
+            let mut parts = parts(&full());
+            parts[index].shape.push(1);
+            refused(&parts, &part.name, "another shape of");
+            parts.remove(index);
+            let left = decode(&file_of(&parts));
+            assert!(left.is_err() || kinds.contains(&part.name.as_str()), "without `{}`", part.name);
+        }
+    }
+
+    #[test]
+    fn crafted_numbers_that_are_none_are_refused_by_their_name() {
+        let positive = ["radius", "mass", "temperature", "reference_radius", "bonds.strength"];
+        let whole = parts(&full());
+        let mut tried = 0;
+        for (index, part) in whole.iter().enumerate().filter(|(_, part)| part.kind == "F64") {
+            let count = part.bytes.len() / 8;
+            let mut values = vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -1e200];
+            if positive.contains(&part.name.as_str()) {
+                values.extend([0.0, -1.0, -0.0, f64::MIN_POSITIVE]);
+            }
+            if part.name == "orientation" {
+                values.extend([1e3, -7.0]);
+            }
+            for (place, value) in
+                [0, count / 2, count - 1].into_iter().flat_map(|place| values.iter().map(move |v| (place, *v)))
+            {
+                if part.name == "bonds.energy" && place == 0 {
+                    // A bond that holds has none, whatever stands there.
+                    continue;
+                }
+                let mut parts = parts(&full());
+                parts[index].bytes[8 * place..][..8].copy_from_slice(&value.to_le_bytes());
+                refused(&parts, &part.name, &format!("{value} in"));
+                tried += 1;
+            }
+        }
+        assert!(tried > 200, "{tried}");
+    }
+
+    #[test]
+    fn crafted_ids_that_do_not_exist_are_refused_by_their_name() {
+        for name in ["id", "contacts.pair", "wall_contacts.pair", "bonds.pair"] {
+            for wrong in [3_u32, 77, u32::MAX] {
+                let mut parts = parts(&full());
+                let part = parts.iter_mut().find(|part| part.name == name).unwrap();
+                part.bytes[..4].copy_from_slice(&wrong.to_le_bytes());
+                refused(&parts, name, "an unknown id in");
+            }
+        }
+        let mut parts = parts(&full());
+        let part = parts.iter_mut().find(|part| part.name == "bonds.broken_at").unwrap();
+        part.bytes[8..].copy_from_slice(&u64::MAX.to_le_bytes());
+        refused(&parts, "bonds.broken_at", "a later step in");
+    }
+
+    #[test]
+    fn a_shape_that_is_larger_than_the_file_is_refused_before_room_is_made() {
+        for huge in [1 << 40, usize::MAX / 8, usize::MAX] {
+            for index in 0..parts(&full()).len() {
+                let mut parts = parts(&full());
+                parts[index].shape[0] = huge;
+                assert!(decode(&file_of(&parts)).is_err(), "{}", parts[index].name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_checkpoint_under_the_name_of_another_step_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = write(folder.path(), &full()).unwrap();
+        let other = path_of(folder.path(), 99);
+        fs::rename(&path, &other).unwrap();
+        assert_eq!(read(&other), Err(Damage::Name { step: 12 }));
+        let unnamed = folder.path().join("last.safetensors");
+        fs::rename(&other, &unnamed).unwrap();
+        assert_eq!(read(&unnamed), Ok(full()));
     }
 
     fn every_change_is_found(state: &State) {

@@ -1,6 +1,8 @@
 //! What can go wrong between a run and its files.
 
+use crate::checkpoint::Damaged;
 use crate::vtkhdf::FormatError;
+use crate::words::bytes;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -54,6 +56,28 @@ pub enum Error {
         /// The folder.
         path: PathBuf,
     },
+    /// A symbolic link, or no file at all, stands where a run writes a file of its own.
+    #[error("a file or folder of the run is a link or a device, and nothing is written through it: {}", path.display())]
+    Linked {
+        /// The link.
+        path: PathBuf,
+    },
+    /// A frame is not as it was written.
+    #[error("{damage}: {}", path.display())]
+    Frame {
+        /// What is wrong with it.
+        damage: FrameDamage,
+        /// The frame.
+        path: PathBuf,
+    },
+    /// The list of frames, which holds their checksums, is not as it was written.
+    #[error("{damage}: {}", path.display())]
+    FrameList {
+        /// What is wrong with it.
+        damage: ListDamage,
+        /// The list.
+        path: PathBuf,
+    },
     /// There is no run.
     #[error("no run is there: `case.toml` is missing: {}", path.display())]
     NotARun {
@@ -68,6 +92,9 @@ pub enum Error {
         /// The run.
         path: PathBuf,
     },
+    /// No checkpoint can be used; this is the newest.
+    #[error(transparent)]
+    Damaged(#[from] Damaged),
     /// The run has no frames yet.
     #[error("the run has no frames: {}", path.display())]
     NoFrames {
@@ -98,19 +125,88 @@ pub enum Error {
         /// Its file.
         path: PathBuf,
     },
-    /// A picture has no pixels, or more than can be held.
-    #[error("a picture of {width} x {height} pixels cannot be drawn; between 1 and 16384 are possible")]
+    /// A picture has no pixels, or more than is sensible.
+    #[error("a picture of {width} x {height} pixels, which takes some {} of memory, cannot be drawn; between 1 and 16384 are possible each way", bytes(*needed))]
     PictureSize {
         /// Pixels across.
         width: u32,
         /// Pixels down.
         height: u32,
+        /// Bytes it would take.
+        needed: u64,
+    },
+    /// There is no memory for a picture.
+    #[error("a picture of {width} x {height} pixels takes some {} of memory, of which {} are free", bytes(*needed), bytes(*free))]
+    PictureMemory {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// Bytes it would take.
+        needed: u64,
+        /// Bytes that are free.
+        free: u64,
     },
     /// A picture could not be compressed.
     #[error("cannot compress a picture: {source}")]
     Picture {
         /// Why it failed.
         source: io::Error,
+    },
+}
+
+/// What is wrong with a frame.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum FrameDamage {
+    /// It was written, and is not there.
+    #[error("the frame of step {step} is gone")]
+    Gone {
+        /// Its step.
+        step: u64,
+    },
+    /// Its bytes are not those that were written.
+    #[error("the frame of step {step} was changed: its bytes are not those that were written")]
+    Changed {
+        /// Its step.
+        step: u64,
+    },
+    /// It is longer or shorter than what was written.
+    #[error("the frame of step {step} has {bytes} bytes, of {expected} that were written")]
+    Length {
+        /// Its step.
+        step: u64,
+        /// Its length.
+        bytes: u64,
+        /// Its length as it was written.
+        expected: u64,
+    },
+    /// Its step does not follow that of the frame before.
+    #[error("the frame says that it is of step {step}, which is not later than that of the frame before it")]
+    Order {
+        /// The step.
+        step: u64,
+    },
+}
+
+/// What is wrong with the list of frames.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum ListDamage {
+    /// It is missing though there are frames.
+    #[error("the list of frames is missing: whether frames were changed cannot be told")]
+    Gone,
+    /// Lines were changed.
+    #[error("the list of frames was changed in line {line}, so that frames are taken as they are{}", if *more > 0 { format!(" (and in {more} more)") } else { String::new() })]
+    Line {
+        /// The first of them.
+        line: usize,
+        /// How many more.
+        more: usize,
+    },
+    /// Its end is missing.
+    #[error("the list of frames lacks the last {frames} frames, which are taken as they are")]
+    CutOff {
+        /// Frames that are not in it.
+        frames: usize,
     },
 }
 

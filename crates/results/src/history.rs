@@ -1,7 +1,7 @@
 //! `history.csv`: one row per recorded step, columns as the glossary says.
 
 use crate::error::{Action, Context, Error};
-use crate::files::atomically;
+use crate::files::{self, atomically};
 use crate::glossary::{HISTORY, HISTORY_WITH_BONDS, HISTORY_WITH_HEAT, Place, Values, of_gauge};
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -27,6 +27,20 @@ impl Row {
     pub fn of(state: &State, plan: &Plan, ledger: Ledger) -> Self {
         let gauges = plan.gauges.iter().map(|gauge| (gauge.name.clone(), gauge.read(state, plan))).collect();
         Row { step: state.step, time: plan.time(state.step), ledger, gauges }
+    }
+
+    /// The first energy or temperature that is no finite number, with its value and unit.
+    pub(crate) fn unbounded(&self) -> Option<(&'static str, f64, &'static str)> {
+        let of_heat = if self.ledger.heat.is_some() { HISTORY_WITH_HEAT } else { &[] };
+        let all = HISTORY.iter().chain(HISTORY_WITH_BONDS).chain(of_heat);
+        let bounded = all.filter(|quantity| ["J", "K"].contains(&quantity.entry.unit));
+        bounded.into_iter().find_map(|quantity| match (quantity.values)(self) {
+            Values::Real(values) => {
+                let value = values.iter().find(|value| !value.is_finite())?;
+                Some((quantity.entry.name, *value, quantity.entry.unit))
+            }
+            Values::Integer(_) => None,
+        })
     }
 
     /// Whether the run has bonds, broken ones too.
@@ -100,7 +114,7 @@ impl History {
 
     /// Opens a history to go on after a step: later rows and a row that was cut off are removed.
     pub(crate) fn open(path: &Path, step: u64) -> Result<Self, Error> {
-        let mut file = OpenOptions::new().read(true).write(true).open(path).context(Action::Read, path)?;
+        let mut file = files::open(path, OpenOptions::new().read(true).write(true), false, Action::Read)?;
         let mut text = Vec::new();
         file.read_to_end(&mut text).context(Action::Read, path)?;
         let mut lines = text.split_inclusive(|&byte| byte == b'\n');

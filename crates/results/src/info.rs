@@ -3,9 +3,10 @@
 use crate::checkpoint::{self, Damaged};
 use crate::error::Error;
 use crate::files::entries;
-use crate::run_directory::{CASE, CHECKPOINTS, HISTORY, stored_frames};
+use crate::frame_list;
+use crate::run_directory::{CASE, CHECKPOINTS, HISTORY, masters, stored_frames};
 use crate::tensors::Damage;
-use crate::vtkhdf::master::block_names;
+use crate::vtkhdf::master::{block_names, file_of, is_complete};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tdem_engine::State;
@@ -15,10 +16,12 @@ use tdem_engine::State;
 pub struct Info {
     /// Its frames, ascending.
     pub frames: Vec<FrameInfo>,
-    /// Frames that cannot be read.
+    /// Frames that are damaged, gone or cannot be read, and what is wrong with their list.
     pub unreadable_frames: Vec<Error>,
     /// Blocks that its masters show.
     pub blocks: Vec<String>,
+    /// Whether its masters need no other file; `None` where they do not say.
+    pub complete: Option<bool>,
     /// Its checkpoints, ascending by step.
     pub checkpoints: Vec<CheckpointInfo>,
     /// Number of complete rows of its history.
@@ -51,7 +54,7 @@ pub struct CheckpointInfo {
     pub particles: Result<usize, Damage>,
 }
 
-/// Looks at a run. Every checkpoint is read and its hashes are checked.
+/// Looks at a run. Every checkpoint and every frame is read from its first byte to its last, and hashes are checked.
 ///
 /// # Errors
 /// [`Error::NotARun`], and whatever the file system says.
@@ -75,11 +78,36 @@ pub fn info(run: &Path) -> Result<Info, Error> {
     let lines = history.split(|&byte| byte == b'\n').count() - 1;
     Ok(Info {
         frames: frames.collect(),
-        unreadable_frames: stored.unreadable,
+        unreadable_frames: stored.damaged,
+        complete: blocks.first().and_then(|name| is_complete(&file_of(run, name))),
         blocks,
         checkpoints: checkpoints.collect(),
         history_rows: lines.saturating_sub(1),
         bytes: bytes(run)?,
+    })
+}
+
+/// What a run shows without any of its numbers being read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Glance {
+    /// Number of frames that were written.
+    pub frames: usize,
+    /// Names of its masters.
+    pub masters: Vec<String>,
+    /// Whether they need no other file.
+    pub complete: bool,
+}
+
+/// Glances at a run, which takes no longer for a large one.
+///
+/// # Errors
+/// Whatever the file system says.
+pub fn glance(run: &Path) -> Result<Glance, Error> {
+    let masters = masters(run)?;
+    Ok(Glance {
+        frames: frame_list::read(run)?.frames.len(),
+        complete: !masters.is_empty() && masters.iter().all(|master| is_complete(master) == Some(true)),
+        masters: masters.iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned())).collect(),
     })
 }
 
@@ -97,13 +125,17 @@ pub struct FinalState {
 /// Loads the newest state of a run, to begin another run from it. The run itself is left alone.
 ///
 /// # Errors
-/// [`Error::NotARun`]; [`Error::NoCheckpoint`] if no checkpoint is whole.
+/// [`Error::NotARun`]; [`Error::NoCheckpoint`] if there is no checkpoint, [`Error::Damaged`] if none is whole.
 pub fn load_final_state(run: &Path) -> Result<FinalState, Error> {
     require_run(run)?;
     let newest = checkpoint::newest(&run.join(CHECKPOINTS))?;
     match (newest.state, newest.path) {
         (Some(state), Some(path)) => Ok(FinalState { state, path, damaged: newest.damaged }),
-        _ => Err(Error::NoCheckpoint { damaged: newest.damaged.len(), path: run.into() }),
+        _ => Err(newest
+            .damaged
+            .into_iter()
+            .next()
+            .map_or_else(|| Error::NoCheckpoint { damaged: 0, path: run.into() }, Error::Damaged)),
     }
 }
 

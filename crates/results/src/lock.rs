@@ -1,6 +1,7 @@
 //! One process per run.
 
-use crate::error::{Action, Context, Error};
+use crate::error::{Action, Error};
+use crate::files;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
@@ -18,13 +19,7 @@ pub(crate) struct Lock {
 impl Lock {
     pub(crate) fn take(run: &Path) -> Result<Self, Error> {
         let path = run.join(FILE);
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path)
-            .context(Action::Lock, &path)?;
+        let mut file = files::open(&path, OpenOptions::new().read(true).write(true), true, Action::Lock)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {

@@ -2,6 +2,7 @@
 //! what the log knows.
 
 use crate::error::{Action, Context, Error};
+use crate::files;
 use std::fmt::{self, Display};
 use std::fs::{self, OpenOptions};
 use std::io::Write;
@@ -128,12 +129,8 @@ impl Event {
 pub(crate) fn append(run: &Path, event: &Event) -> Result<(), Error> {
     let path = run.join(FILE);
     let line = format!("{} {event}\n", timestamp(SystemTime::now()));
-    OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&path)
-        .and_then(|mut file| file.write_all(line.as_bytes()))
-        .context(Action::Write, &path)
+    let mut file = files::open(&path, OpenOptions::new().append(true), true, Action::Write)?;
+    file.write_all(line.as_bytes()).context(Action::Write, &path)
 }
 
 /// What the log of a run tells, with the moments; lines that cannot be read are left out, and a log that is not there is empty.

@@ -1,24 +1,31 @@
 //! One self-contained file per block, for sending.
 
-use crate::error::{Action, Context, Error};
+use crate::error::Error;
+use crate::files;
 use crate::run_directory::stored_frames;
 use crate::vtkhdf::master::{self, Numbers};
-use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Copies all frames of a run into one file per block in a folder, and returns the files. The run may go on
-/// meanwhile: what it wrote before is packed.
+/// What was packed.
+#[derive(Debug)]
+pub struct Packed {
+    /// One file per block.
+    pub files: Vec<PathBuf>,
+    /// Frames that are not in them, because they are damaged or gone, and what is wrong with the list of frames.
+    pub damaged: Vec<Error>,
+}
+
+/// Copies all frames of a run into one file per block in a folder. The run may go on meanwhile: what it wrote before is packed.
+/// Frames that are damaged or gone are left out, and the files say so.
 ///
 /// # Errors
-/// [`Error::NoFrames`], a frame that cannot be read, and whatever the file system says.
-pub fn pack(run: &Path, folder: &Path, compression: u32) -> Result<Vec<PathBuf>, Error> {
+/// [`Error::NoFrames`], and whatever the file system says.
+pub fn pack(run: &Path, folder: &Path, compression: u32) -> Result<Packed, Error> {
     let stored = stored_frames(run)?;
-    if let Some(unreadable) = stored.unreadable.into_iter().next() {
-        return Err(unreadable);
-    }
     if stored.frames.is_empty() {
-        return Err(Error::NoFrames { path: run.into() });
+        return Err(stored.damaged.into_iter().next().unwrap_or_else(|| Error::NoFrames { path: run.into() }));
     }
-    fs::create_dir_all(folder).context(Action::CreateFolder, folder)?;
-    master::write(run, folder, &stored.frames, Numbers::Copied(compression))
+    files::make_folder(folder)?;
+    let files = master::write(run, folder, stored.shown(), Numbers::Copied(compression))?;
+    Ok(Packed { files, damaged: stored.damaged })
 }

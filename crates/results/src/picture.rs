@@ -5,6 +5,7 @@
 mod bar;
 mod camera;
 mod colour;
+mod memory;
 mod raster;
 mod series;
 mod sheet;
@@ -97,11 +98,15 @@ impl Clip {
 /// Draws a state, as the bytes of a PNG file. Its text chunks tell `step`, `time` (s), `field`, `low` and `high`.
 ///
 /// # Errors
-/// [`Error::PictureSize`], or [`Error::Picture`] from the compressor.
+/// [`Error::PictureSize`] and [`Error::PictureMemory`] before anything is drawn, or [`Error::Picture`] from the compressor.
 pub fn render(state: &State, plan: &Plan, options: &Options) -> Result<Vec<u8>, Error> {
     let Options { width, height, colour, .. } = *options;
+    let needed = memory_for(options, state.len());
     if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
-        return Err(Error::PictureSize { width, height });
+        return Err(Error::PictureSize { width, height, needed });
+    }
+    if let Some(free) = memory::free().filter(|&free| needed > free) {
+        return Err(Error::PictureMemory { width, height, needed, free });
     }
     let (columns, rows) = (width as usize, height as usize);
     let beside = if options.bar { Bar::width(columns, rows) } else { 0 };
@@ -161,8 +166,18 @@ fn draw(state: &State, plan: &Plan, options: &Options, [columns, rows]: [usize; 
     canvas.reduced(scale)
 }
 
-/// More pixels than anybody looks at, few enough for the memory of a small computer.
+/// More pixels than anybody looks at.
 const LARGEST: u32 = 16_384;
+
+/// Bytes that a picture takes while it is drawn, about: pixels, depths and who is nearest, at four times the number for smooth
+/// edges; the picture without and with its bar, and compressed; what is drawn of each particle.
+fn memory_for(options: &Options, particles: usize) -> u64 {
+    const PER_PIXEL: u64 = 3 + 4 + 2;
+    const FINISHED: u64 = 3 * 3;
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    let drawn = if options.smooth { 4 } else { 1 };
+    pixels.saturating_mul(drawn * PER_PIXEL + FINISHED).saturating_add(particles as u64 * size_of::<Disc>() as u64)
+}
 
 /// The box that fills the picture.
 fn subject(state: &State, plan: &Plan, subject: Subject) -> [[f64; 3]; 2] {

@@ -7,15 +7,19 @@
 use crate::blocks::{Contents, Scene, Start};
 use crate::checkpoint::{self, Damaged};
 use crate::curve;
-use crate::error::{Action, Context, Error};
-use crate::files;
+use crate::error::{Action, Context, Error, FrameDamage};
+use crate::files::{self, Seal};
+use crate::frame_list::{self, Listed};
 use crate::history::{History, Row};
 use crate::lock::{self, Lock};
 use crate::log::{self, Event};
 use crate::picture::{self, Series};
+use crate::start;
 use crate::vtkhdf::frame::Frame;
-use crate::vtkhdf::master::{self, Numbers};
+use crate::vtkhdf::master::{self, Numbers, Shown};
 use crate::writer::Wanted;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -32,6 +36,10 @@ const FRAME_ENDING: &str = "vtkhdf";
 /// A master takes about 0.1 s at 600 frames, so it is not rewritten for every frame.
 const MASTER_INTERVAL: Duration = Duration::from_secs(4);
 
+/// Frames of a run that ends are copied into its masters if they take no more than this, bytes: such a run is soon packed, and
+/// most users send such a file as it is.
+const PACKED_AT_THE_END: u64 = 1_000_000_000;
+
 /// The folder of a run, held by this process until dropped.
 #[derive(Debug)]
 pub struct RunDirectory {
@@ -39,21 +47,36 @@ pub struct RunDirectory {
     contents: Contents,
     series: Vec<Series>,
     frames: Vec<Frame>,
+    /// The frames in `frames.csv`, damaged ones too.
+    listed: Vec<Listed>,
+    /// Names of frames that masters do not show.
+    left_out: Vec<String>,
     next_frame: u64,
     history: History,
     start: Origin,
     last_checkpoint: Option<u64>,
     masters_written: Instant,
-    masters_current: bool,
+    masters: Masters,
     _lock: Lock,
+}
+
+/// What masters are there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Masters {
+    /// Those of other frames, or none.
+    Stale,
+    /// Small ones that need the frames.
+    Index,
+    /// Such that hold the numbers themselves.
+    Complete,
 }
 
 /// Where displacements count from.
 #[derive(Debug)]
 enum Origin {
-    /// Nobody needed it so far.
+    /// Nobody needed it so far; where a run goes on, it is there.
     NotSought,
-    /// The first checkpoint is damaged: displacements are no longer known.
+    /// The file and the first checkpoint are damaged or gone: displacements are no longer known.
     Lost,
     Known(Start),
 }
@@ -68,8 +91,11 @@ pub struct Resumed {
     pub state: Option<State>,
     /// Newer checkpoints that were passed over.
     pub damaged: Vec<Damaged>,
-    /// Frames that cannot be read. They stay where they are, but the masters do not show them.
+    /// Frames that are damaged, gone or cannot be read, and what is wrong with their list. They stay where they are, but the
+    /// masters do not show them.
     pub unreadable_frames: Vec<Error>,
+    /// Why displacements are not known any more, if they are not: from now on, they are not a number.
+    pub start_lost: Option<Damaged>,
 }
 
 impl RunDirectory {
@@ -88,7 +114,7 @@ impl RunDirectory {
         for folder in [CHECKPOINTS, FRAMES, PICTURES] {
             files::remove_folder(&path.join(folder))?;
         }
-        for file in [HISTORY, REPORT, log::FILE] {
+        for file in [HISTORY, REPORT, log::FILE, frame_list::FILE, start::FILE] {
             files::remove(&path.join(file))?;
         }
         remove_masters(path)?;
@@ -97,9 +123,9 @@ impl RunDirectory {
         let case = path.join(CASE);
         files::atomically(&case, |unfinished| fs::write(unfinished, case_toml).context(Action::Write, &case))?;
         for folder in [FRAMES, CHECKPOINTS] {
-            let folder = path.join(folder);
-            fs::create_dir_all(&folder).context(Action::CreateFolder, &folder)?;
+            files::make_folder(&path.join(folder))?;
         }
+        frame_list::write(path, &[])?;
         let history = History::create(&path.join(HISTORY))?;
         log::append(path, &Event::Created)?;
         Ok(RunDirectory::assemble(path, Stored::default(), history, None, lock))
@@ -117,8 +143,9 @@ impl RunDirectory {
         let lock = Lock::take(path)?;
         let (frames, checkpoints) = (path.join(FRAMES), path.join(CHECKPOINTS));
         for folder in [&frames, &checkpoints] {
-            fs::create_dir_all(folder).context(Action::CreateFolder, folder)?;
+            files::make_folder(folder)?;
         }
+        files::refuse_link(&path.join(PICTURES))?;
         for folder in [path, &frames, &checkpoints, &path.join(PICTURES)] {
             files::remove_unfinished(folder)?;
         }
@@ -143,15 +170,24 @@ impl RunDirectory {
         for damaged in &damaged {
             log::append(path, &Event::Warning(damaged.to_string()))?;
         }
-        for unreadable in &frames.unreadable {
+        for unreadable in &frames.damaged {
             log::append(path, &Event::Warning(unreadable.to_string()))?;
         }
+        let start_lost = if step.is_some() { recover_start(path)? } else { None };
+        if let Some(lost) = &start_lost {
+            log::append(path, &Event::Warning(format!("displacements are not known any more, {lost}")))?;
+        }
 
-        let unreadable_frames = std::mem::take(&mut frames.unreadable);
+        let unreadable_frames = std::mem::take(&mut frames.damaged);
         let mut directory = RunDirectory::assemble(path, frames, history, step, lock);
-        directory.masters_current = false;
+        if start_lost.is_some() {
+            directory.start = Origin::Lost;
+        }
+        // A run that was finished stays as it can be sent, until it has more frames.
+        let complete = master::are_complete(path, directory.shown());
+        directory.masters = if complete { Masters::Complete } else { Masters::Stale };
         directory.publish()?;
-        Ok(Resumed { directory, state, damaged, unreadable_frames })
+        Ok(Resumed { directory, state, damaged, unreadable_frames, start_lost })
     }
 
     fn assemble(path: &Path, stored: Stored, history: History, last_checkpoint: Option<u64>, lock: Lock) -> Self {
@@ -161,11 +197,13 @@ impl RunDirectory {
             series: Vec::new(),
             next_frame: stored.next,
             frames: stored.frames,
+            listed: stored.listed,
+            left_out: stored.left_out,
             history,
             start: Origin::NotSought,
             last_checkpoint,
             masters_written: Instant::now(),
-            masters_current: true,
+            masters: Masters::Index,
             _lock: lock,
         }
     }
@@ -218,8 +256,12 @@ impl RunDirectory {
     /// # Errors
     /// Whatever the file system says; older checkpoints are then still there.
     pub fn checkpoint(&mut self, state: &State) -> Result<(), Error> {
+        if self.last_checkpoint.is_none() {
+            start::write(&self.path, state)?;
+        }
         // Frames are on the disk since they were written; rows must be, before a checkpoint that counts on them.
         self.history.sync()?;
+        frame_list::sync(&self.path)?;
         let folder = self.path.join(CHECKPOINTS);
         checkpoint::write(&folder, state)?;
         self.last_checkpoint = Some(state.step);
@@ -239,28 +281,42 @@ impl RunDirectory {
         }
         let start = if let Origin::Known(start) = &self.start { Some(start) } else { None };
         let scene = Scene { state, plan, start };
-        let file = frame_name(self.next_frame);
+        let (step, time) = (state.step, plan.time(state.step));
+        // One that was lost takes its place again.
+        let lost = self.listed.iter().position(|listed| listed.step == step);
+        let number = lost.map_or(self.next_frame, |place| self.listed[place].number);
         let blocks = scene.blocks(self.contents);
-        let time = plan.time(state.step);
-        self.frames.push(Frame::write(&self.path, file, state.step, time, &blocks, self.contents.compression)?);
-        self.next_frame += 1;
-        self.masters_current = false;
+        let (frame, seal) =
+            Frame::write(&self.path, frame_name(number), step, time, &blocks, self.contents.compression)?;
+        let listed = Listed { number, step, time, seal };
+        self.frames.push(frame);
+        self.masters = Masters::Stale;
+        if let Some(place) = lost {
+            self.listed[place] = listed;
+            self.left_out.retain(|file| *file != frame_name(number));
+            frame_list::write(&self.path, &self.listed)?;
+        } else {
+            self.listed.push(listed);
+            self.next_frame += 1;
+            frame_list::append(&self.path, &self.listed)?;
+        }
         if self.frames.len() == 1 || self.masters_written.elapsed() >= MASTER_INTERVAL {
             self.publish()?;
         }
         Ok(())
     }
 
-    /// Displacements count from the oldest checkpoint, so that a resumed run goes on counting from the same place.
+    /// Displacements count from where the run began, so that a resumed run goes on counting from the same place.
     fn find_start(&self, state: &State, plan: &Plan) -> Result<Origin, Error> {
-        let Some(oldest) = checkpoint::list(&self.path.join(CHECKPOINTS))?.into_iter().next() else {
+        if self.last_checkpoint.is_none() {
+            start::write(&self.path, state)?;
             return Ok(Origin::Known(Start::of(state, plan)));
-        };
-        match checkpoint::read(&oldest) {
+        }
+        match start::read(&self.path) {
             Ok(first) => Ok(Origin::Known(Start::of(&first, plan))),
             Err(damage) => {
-                let damaged = Damaged { damage, path: oldest };
-                self.log(&Event::Warning(format!("displacements are not known any more, {damaged}")))?;
+                let lost = Damaged { damage, path: start::path_of(&self.path) };
+                self.log(&Event::Warning(format!("displacements are not known any more, {lost}")))?;
                 Ok(Origin::Lost)
             }
         }
@@ -290,15 +346,16 @@ impl RunDirectory {
                 files::remove(&picture::file_of(&self.path, &series.name, step))?;
             }
         }
-        if frame && self.last_frame() == Some(step) {
+        if frame && let Some(place) = self.listed.iter().position(|listed| listed.step == step) {
+            let Listed { number, .. } = self.listed.remove(place);
             // Masters first: they must never name a frame that is not there.
-            let last = self.frames.pop();
-            self.masters_current = false;
+            self.frames.pop_if(|last| last.step == step);
+            self.left_out.retain(|file| *file != frame_name(number));
+            self.masters = Masters::Stale;
             self.publish()?;
-            if let Some(last) = last {
-                files::remove(&self.path.join(&last.file))?;
-                self.next_frame = number_of(Path::new(&last.file)).unwrap_or(self.next_frame);
-            }
+            frame_list::write(&self.path, &self.listed)?;
+            files::remove(&self.path.join(frame_name(number)))?;
+            self.next_frame = number;
         }
         if row && self.last_row() == Some(step) {
             self.history = History::open(&self.path.join(HISTORY), step.saturating_sub(1))?;
@@ -311,15 +368,38 @@ impl RunDirectory {
     /// # Errors
     /// Whatever the file system says; the old masters are then still there.
     pub fn publish(&mut self) -> Result<(), Error> {
-        if !self.masters_current {
-            let written = master::write(&self.path, &self.path, &self.frames, Numbers::InFrames)?;
+        if self.masters == Masters::Stale {
+            let written = master::write(&self.path, &self.path, self.shown(), Numbers::InFrames)?;
             if written.is_empty() {
                 remove_masters(&self.path)?;
             }
-            self.masters_current = true;
+            self.masters = Masters::Index;
             self.masters_written = Instant::now();
         }
         Ok(())
+    }
+
+    /// Brings the masters up to date at the end of a run. Those of a run that is not large then hold all numbers themselves,
+    /// and can be sent; where there is no room for them, they stay as they are, and the log says so.
+    ///
+    /// # Errors
+    /// Whatever the file system says; the old masters are then still there.
+    pub fn finish(&mut self) -> Result<(), Error> {
+        self.publish()?;
+        let bytes: u64 = self.listed.iter().map(|listed| listed.seal.bytes).sum();
+        if self.masters == Masters::Complete || self.frames.is_empty() || bytes > PACKED_AT_THE_END {
+            return Ok(());
+        }
+        let numbers = Numbers::Copied(self.contents.compression);
+        match master::write(&self.path, &self.path, self.shown(), numbers) {
+            Ok(_) => self.masters = Masters::Complete,
+            Err(error) => self.log(&Event::Warning(format!("frames are not copied into one file, {error}")))?,
+        }
+        Ok(())
+    }
+
+    fn shown(&self) -> Shown<'_> {
+        shown(&self.frames, &self.listed, &self.left_out)
     }
 
     /// Adds a line to `log.txt`.
@@ -345,22 +425,102 @@ fn number_of(frame: &Path) -> Option<u64> {
 pub(crate) struct Stored {
     /// Ascending.
     pub(crate) frames: Vec<Frame>,
-    pub(crate) unreadable: Vec<Error>,
+    /// What is wrong with frames that are not among these, and with the list.
+    pub(crate) damaged: Vec<Error>,
+    /// The list, ascending.
+    listed: Vec<Listed>,
+    /// Names of frames that are damaged or gone.
+    left_out: Vec<String>,
+    /// Numbers of frames that are not wanted.
+    superfluous: Vec<u64>,
     /// Number of the next frame.
     next: u64,
 }
 
-/// Looks at the frames of a run.
+impl Stored {
+    pub(crate) fn shown(&self) -> Shown<'_> {
+        shown(&self.frames, &self.listed, &self.left_out)
+    }
+}
+
+fn shown<'a>(frames: &'a [Frame], listed: &[Listed], left_out: &'a [String]) -> Shown<'a> {
+    let steps: BTreeSet<u64> = frames.iter().map(|frame| frame.step).collect();
+    let hash = frame_list::hash_of(listed.iter().filter(|listed| steps.contains(&listed.step)).copied());
+    Shown { frames, left_out, hash }
+}
+
+/// Looks at the frames of a run: all of them are read from the first byte to the last.
 pub(crate) fn stored_frames(run: &Path) -> Result<Stored, Error> {
-    let mut stored = Stored::default();
-    for number in frame_numbers(run)? {
-        match Frame::read(run, frame_name(number)) {
-            Ok(frame) => stored.frames.push(frame),
-            Err(error) => stored.unreadable.push(error),
+    look_at_frames(run, |_| true)
+}
+
+/// Looks at those frames of a run whose steps are wanted, as far as steps are known.
+fn look_at_frames(run: &Path, wanted: impl Fn(u64) -> bool) -> Result<Stored, Error> {
+    // The list first: a run that goes on may write a frame meanwhile.
+    let list = frame_list::read(run)?;
+    let there: BTreeSet<u64> = frame_numbers(run)?.into_iter().collect();
+    let last_listed = list.frames.last().map(|last| last.number);
+    let unlisted = there.iter().filter(|&&number| last_listed.is_none_or(|last| number > last)).count();
+    let mut candidates: BTreeMap<u64, Option<Listed>> = there.iter().map(|&number| (number, None)).collect();
+    candidates.extend(list.frames.iter().map(|listed| (listed.number, Some(*listed))));
+    let (candidates, later): (Vec<(u64, Option<Listed>)>, Vec<_>) =
+        candidates.into_iter().partition(|(_, listed)| listed.is_none_or(|listed| wanted(listed.step)));
+
+    let looked_at: Vec<_> = candidates
+        .into_par_iter()
+        .map(|(number, listed)| (number, listed, look_at(run, number, listed, there.contains(&number))))
+        .collect();
+    let mut stored = Stored {
+        damaged: list.damage(run, unlisted).into_iter().collect(),
+        superfluous: later.into_iter().map(|(number, _)| number).collect(),
+        ..Stored::default()
+    };
+    for (number, listed, frame) in looked_at {
+        let follows = |frame: &Frame| stored.frames.last().is_none_or(|last| last.step < frame.step);
+        let out_of_order =
+            |step| Error::Frame { damage: FrameDamage::Order { step }, path: run.join(frame_name(number)) };
+        let frame = frame.and_then(
+            |(frame, listed)| {
+                if follows(&frame) { Ok((frame, listed)) } else { Err(out_of_order(frame.step)) }
+            },
+        );
+        match frame {
+            Ok((frame, _)) if !wanted(frame.step) => {
+                stored.superfluous.push(number);
+                continue;
+            }
+            Ok((frame, listed)) => {
+                stored.frames.push(frame);
+                stored.listed.push(listed);
+            }
+            Err(error) => {
+                stored.damaged.push(error);
+                stored.left_out.push(frame_name(number));
+                stored.listed.extend(listed);
+            }
         }
         stored.next = number + 1;
     }
     Ok(stored)
+}
+
+/// Looks at a frame. One that is not in the list is taken as it is.
+fn look_at(run: &Path, number: u64, listed: Option<Listed>, is_there: bool) -> Result<(Frame, Listed), Error> {
+    let file = frame_name(number);
+    let path = run.join(&file);
+    let damaged = |damage| Err(Error::Frame { damage, path: path.clone() });
+    if let Some(Listed { step, .. }) = listed.filter(|_| !is_there) {
+        return damaged(FrameDamage::Gone { step });
+    }
+    let seal = Seal::of(&path).context(Action::Read, &path)?;
+    if let Some(Listed { step, seal: expected, .. }) = listed.filter(|listed| listed.seal != seal) {
+        let (bytes, expected) = (seal.bytes, expected.bytes);
+        let changed = FrameDamage::Changed { step };
+        return damaged(if bytes == expected { changed } else { FrameDamage::Length { step, bytes, expected } });
+    }
+    let frame = Frame::read(run, file)?;
+    let listed = Listed { number, step: frame.step, time: frame.time, seal };
+    Ok((frame, listed))
 }
 
 fn frame_numbers(run: &Path) -> Result<Vec<u64>, Error> {
@@ -370,23 +530,40 @@ fn frame_numbers(run: &Path) -> Result<Vec<u64>, Error> {
     Ok(numbers)
 }
 
-/// Removes frames after a step, or all of them, and returns those that stay.
+/// Removes frames after a step, or all of them, and returns those that stay. Their list is written anew.
 fn keep_frames(run: &Path, step: Option<u64>) -> Result<Stored, Error> {
-    let mut stored = stored_frames(run)?;
-    stored.frames.retain(|frame| step.is_some_and(|step| frame.step <= step));
-    stored.next = stored.frames.last().and_then(|frame| number_of(Path::new(&frame.file))).map_or(0, |last| last + 1);
-    let superfluous: Vec<u64> = frame_numbers(run)?.into_iter().filter(|&number| number >= stored.next).collect();
+    let mut stored = match step {
+        Some(step) => look_at_frames(run, |of_frame| of_frame <= step)?,
+        None => Stored { superfluous: frame_numbers(run)?, ..Stored::default() },
+    };
+    let superfluous = std::mem::take(&mut stored.superfluous);
     if !superfluous.is_empty() {
         // Masters of a dead process may name frames that go now; until they are rewritten, no master is better.
         remove_masters(run)?;
         superfluous.into_iter().rev().try_for_each(|number| files::remove(&run.join(frame_name(number))))?;
         files::sync_folder(&run.join(FRAMES))?;
     }
+    frame_list::write(run, &stored.listed)?;
     Ok(stored)
 }
 
+/// Sees to it that the places of the start are there, from the first checkpoint if need be. What is wrong with both, if there is
+/// no way back.
+fn recover_start(run: &Path) -> Result<Option<Damaged>, Error> {
+    let Err(damage) = start::read(run) else { return Ok(None) };
+    match checkpoint::read(&checkpoint::path_of(&run.join(CHECKPOINTS), 0)) {
+        Ok(first) => start::write(run, &first).map(|()| None),
+        Err(_) => Ok(Some(Damaged { damage, path: start::path_of(run) })),
+    }
+}
+
+/// The masters in the folder of a run, by name.
+pub(crate) fn masters(run: &Path) -> Result<Vec<PathBuf>, Error> {
+    files::with_ending(run, FRAME_ENDING)
+}
+
 fn remove_masters(run: &Path) -> Result<(), Error> {
-    files::with_ending(run, FRAME_ENDING)?.iter().try_for_each(|path| files::remove(path))
+    masters(run)?.iter().try_for_each(|path| files::remove(path))
 }
 
 fn remove_curves(run: &Path) -> Result<(), Error> {

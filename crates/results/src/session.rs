@@ -150,7 +150,10 @@ fn run_into(
     let last_checkpoint = directory.last_checkpoint();
     let mut witness = Witness { observer, turns: None };
     let outcome = carry_on(simulation, directory, last_checkpoint, schedule, &mut witness)?;
-    directory.publish()?;
+    match outcome {
+        Outcome::Finished { .. } => directory.finish()?,
+        Outcome::Interrupted { .. } => directory.publish()?,
+    }
     if let Some(turns) = witness.turns.filter(|turns| turns.unrelaxed > 0) {
         directory.log(&Event::Warning(format!(
             "particles were not at rest behind {} steps of the heat, the last of them step {}; the ratio of forces was up \

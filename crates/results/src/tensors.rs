@@ -12,6 +12,7 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
+use tdem_engine::Flaw;
 use thiserror::Error;
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -43,6 +44,15 @@ pub enum Damage {
     Layout {
         /// Its name.
         tensor: &'static str,
+    },
+    /// The numbers belong together in no state.
+    #[error("{0}")]
+    Flaw(#[from] Flaw),
+    /// It is under the name of another step.
+    #[error("it is of step {step}, not of that in its name")]
+    Name {
+        /// The step.
+        step: u64,
     },
     /// The operating system cannot read it.
     #[error("it cannot be read ({kind})")]
@@ -89,6 +99,23 @@ impl<'a> Tensor<'a> {
     }
 }
 
+#[cfg(test)]
+impl Tensor<'_> {
+    /// Name, type, shape and bytes.
+    pub(crate) fn parts(&self) -> (String, String, Vec<usize>, Vec<u8>) {
+        (self.name.into(), self.kind.into(), self.shape.clone(), self.bytes.into())
+    }
+}
+
+/// The bytes of a file of any tensors, with right hashes.
+#[cfg(test)]
+pub(crate) fn file<'a>(format: &str, tensors: impl Iterator<Item = Column<'a>>) -> Vec<u8> {
+    let tensors: Vec<Column<'_>> = tensors.collect();
+    let header = header_of(format, &tensors);
+    let data: Vec<u8> = tensors.iter().flat_map(|(_, _, _, bytes)| bytes.iter().copied()).collect();
+    [&(header.len() as u64).to_le_bytes()[..], &header, &data].concat()
+}
+
 /// What rows of a tensor may be.
 pub(crate) trait Element: Pod {
     const KIND: &'static str;
@@ -115,19 +142,24 @@ element! {
 /// The header of the file. The format is simple enough to be written here; the library would need all tensors
 /// before their hashes, in one buffer or in a temporary file of its own naming.
 fn header(format: &str, tensors: &[Tensor<'_>]) -> Vec<u8> {
+    let columns = tensors.iter().map(|tensor| (tensor.name, tensor.kind, &tensor.shape[..], tensor.bytes));
+    header_of(format, &columns.collect::<Vec<_>>())
+}
+
+/// Name, type, shape and bytes of a tensor.
+pub(crate) type Column<'a> = (&'a str, &'a str, &'a [usize], &'a [u8]);
+
+fn header_of(format: &str, tensors: &[Column<'_>]) -> Vec<u8> {
     let mut metadata = Map::new();
     metadata.insert("format".into(), format.into());
     metadata.insert("header".into(), NO_HASH.into());
     let mut entries = Map::new();
     let mut begin = 0;
-    let hashes: Vec<String> = tensors.par_iter().map(|tensor| hash(tensor.bytes)).collect();
-    for (tensor, hash) in tensors.iter().zip(hashes) {
-        let end = begin + tensor.bytes.len();
-        entries.insert(
-            tensor.name.into(),
-            json!({ "dtype": tensor.kind, "shape": tensor.shape, "data_offsets": [begin, end] }),
-        );
-        metadata.insert(format!("xxh3.{}", tensor.name), hash.into());
+    let hashes: Vec<String> = tensors.par_iter().map(|(_, _, _, bytes)| hash(bytes)).collect();
+    for (&(name, kind, shape, bytes), hash) in tensors.iter().zip(hashes) {
+        let end = begin + bytes.len();
+        entries.insert(name.into(), json!({ "dtype": kind, "shape": shape, "data_offsets": [begin, end] }));
+        metadata.insert(format!("xxh3.{name}"), hash.into());
         begin = end;
     }
     entries.insert("__metadata__".into(), Value::Object(metadata));
@@ -179,8 +211,11 @@ impl<'a> Reader<'a> {
         }
         Ok(view.data().chunks_exact(size_of::<T>()).map(pod_read_unaligned).collect())
     }
-    /// The first row of a tensor.
+    /// The only row of a tensor.
     pub(crate) fn one<T: Element>(&self, tensor: &'static str) -> Result<T, Damage> {
-        self.rows(tensor)?.first().copied().ok_or(Damage::Layout { tensor })
+        match self.rows(tensor)?.as_slice() {
+            [one] => Ok(*one),
+            _ => Err(Damage::Layout { tensor }),
+        }
     }
 }

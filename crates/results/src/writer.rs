@@ -220,9 +220,13 @@ impl Desk<'_> {
         let step = state.step;
         if wanted.row || !wanted.written() {
             let ledger = Ledger::of(&state, self.plan);
+            let row = Row::of(&state, self.plan, ledger);
+            if let Some((quantity, value, unit)) = row.unbounded().filter(|_| !state.is_empty()) {
+                return Err(Fault::Unbounded { step, time: self.plan.time(step), quantity, value, unit }.into());
+            }
             self.tell(Report::Ledger { ledger: Box::new(ledger), step, cost: took + began.elapsed() });
             if wanted.row {
-                self.sink.row(&Row::of(&state, self.plan, ledger))?;
+                self.sink.row(&row)?;
             }
         }
         // The first checkpoint comes before the first frame, which counts its displacements from it.

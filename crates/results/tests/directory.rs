@@ -20,7 +20,7 @@ fn a_state_comes_back_to_the_bit() {
         state = simulation.state().unwrap();
     }
     state.derivatives = vec![[[1.0, -0.0, 1.0 / 3.0]; 4]; state.len()];
-    state.velocity[0] = [-0.0, 5e-324, f64::MAX];
+    state.velocity[0] = [-0.0, 5e-324, 9.999_999_999_999_999e99];
     state.image[3] = [-1, i32::MAX, i32::MIN];
     let path = checkpoint::write(folder.path(), &state).unwrap();
     let read = checkpoint::read(&path).unwrap();
@@ -126,38 +126,175 @@ fn an_unwritable_folder_is_told_with_its_path_last() {
     assert!(error.to_string().ends_with("file/run"), "{error}");
 }
 
-/// Whatever is written under the temporary name goes to a device that is always full.
-#[cfg(target_os = "linux")]
-fn fill_disk(finished: &Path) {
-    let mut name = finished.file_name().unwrap().to_os_string();
-    name.push(".tmp");
-    std::os::unix::fs::symlink("/dev/full", finished.with_file_name(name)).unwrap();
+/// What a process does that may not make files long: begins a run. Without the variable it is no test of its own.
+#[cfg(unix)]
+#[test]
+fn child_with_a_full_disk() {
+    let Some(path) = std::env::var_os(CHILD) else { return };
+    let path = Path::new(&path);
+    let error = begin(path).expect_err("no file may be as long as this run makes some");
+    fs::write(path.with_extension("told"), error.to_string()).unwrap();
 }
 
-#[cfg(target_os = "linux")]
+#[cfg(unix)]
+const CHILD: &str = "TDEM_TEST_FULL_DISK";
+
+#[cfg(unix)]
+fn begin(path: &Path) -> Result<(), tdem_results::RunError> {
+    let mut directory = RunDirectory::create(path, "# a test\n", false)?;
+    directory.set_contents(common::contents());
+    directory.set_pictures(common::pictures());
+    let simulation = common::simulation(common::state());
+    let mut watcher = common::Watcher::default();
+    tdem_results::session::run(simulation, &mut directory, &common::schedule(400), &mut watcher).map(drop)
+}
+
+#[cfg(unix)]
 #[test]
 fn a_full_disk_ends_the_run_but_costs_nothing_that_was_written() {
-    use tdem_results::RunError;
-    for victim in ["frames/000003.vtkhdf", "checkpoints/000000000140.safetensors", "particles.vtkhdf"] {
-        let (straight, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        run_new(straight.path(), 400);
-        let mut directory = RunDirectory::create(folder.path(), "", false).unwrap();
-        directory.set_contents(common::contents());
-        directory.set_pictures(common::pictures());
-        let victim = folder.path().join(victim);
-        fill_disk(&victim);
-        let simulation = common::simulation(common::state());
-        let schedule = common::schedule(400);
-        let error = tdem_results::session::run(simulation, &mut directory, &schedule, &mut common::Watcher::default())
-            .unwrap_err();
-        drop(directory);
-        let RunError::Results(Error::DiskFull { path }) = &error else { panic!("{error}: {error:?}") };
-        assert_eq!(*path, victim);
-        assert!(error.to_string().ends_with(&victim.display().to_string()), "the path stands last");
-        let folders = [folder.path(), &folder.path().join("frames"), &folder.path().join("checkpoints")];
+    use std::process::{Command, Stdio};
+    let straight = tempfile::tempdir().unwrap();
+    run_new(straight.path(), 400);
+    let mut victims = std::collections::BTreeSet::new();
+    // Blocks of 512 bytes. Writing fails in the middle of a file, as on a disk that is full.
+    for blocks in [2, 5, 12, 16, 24, 32, 40, 56, 72] {
+        let folder = tempfile::tempdir().unwrap();
+        let run = folder.path().join("run");
+        let ended = Command::new("sh")
+            .args(["-c", "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"", &blocks.to_string()])
+            .arg(std::env::current_exe().unwrap())
+            .args(["--exact", "child_with_a_full_disk", "--test-threads", "1"])
+            .env(CHILD, &run)
+            .stdout(Stdio::null())
+            .status()
+            .unwrap();
+        assert!(ended.success(), "{blocks} blocks");
+        let told = fs::read_to_string(run.with_extension("told")).unwrap();
+        let victim = told.rsplit_once(": ").map(|(_, path)| path.to_owned()).unwrap();
+        assert!(Path::new(&victim).starts_with(&run), "the path stands last: {told}");
+        victims.insert(victim.strip_prefix(&run.display().to_string()).unwrap().split('/').nth(1).unwrap().to_owned());
+        let folders = [run.clone(), run.join("frames"), run.join("checkpoints")];
         let unfinished = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap().flatten());
         assert!(unfinished.into_iter().all(|entry| entry.path().extension().is_none_or(|ending| ending != "tmp")));
-        run_on(folder.path(), 400);
-        common::assert_same_results(straight.path(), folder.path());
+        run_on(&run, 400);
+        common::assert_same_results(straight.path(), &run);
     }
+    let expected = ["checkpoints", "frames", "particles.vtkhdf", "start.safetensors"];
+    assert!(expected.iter().all(|name| victims.contains(*name)), "{victims:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_through_a_link() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, victim) = (folder.path().join("whole"), folder.path().join("victim"));
+    run_new(&whole, 100);
+    let secrets = folder.path().join("secrets");
+    let forget = || {
+        fs::write(&victim, "precious").unwrap();
+        fs::create_dir_all(&secrets).unwrap();
+        for name in ["thesis.tmp", "000000.vtkhdf", "000000000100.safetensors", "speed-000000000120.png"] {
+            fs::write(secrets.join(name), "precious").unwrap();
+        }
+    };
+    let is_whole = || {
+        fs::read_to_string(&victim).unwrap() == "precious"
+            && fs::read_dir(&secrets)
+                .unwrap()
+                .all(|file| fs::read_to_string(file.unwrap().path()).unwrap() == "precious")
+            && fs::read_dir(&secrets).unwrap().count() == 4
+    };
+    forget();
+    let files =
+        [".lock", "log.txt", "history.csv", "frames.csv", "start.safetensors", "particles.vtkhdf", "report.html"];
+    let unfinished =
+        ["history.csv.tmp", "frames.csv.tmp", "particles.vtkhdf.tmp", "checkpoints/000000000150.safetensors.tmp"];
+    let folders = ["frames", "checkpoints", "pictures"];
+    let mut refused = Vec::new();
+    for name in files.into_iter().chain(unfinished).chain(folders) {
+        let run = folder.path().join("run");
+        common::copy(&whole, &run);
+        let link = run.join(name);
+        let target = if folders.contains(&name) { &secrets } else { &victim };
+        let _ = if link.is_dir() { fs::remove_dir_all(&link) } else { fs::remove_file(&link) };
+        symlink(target, &link).unwrap();
+        match RunDirectory::open(&run) {
+            Err(Error::Linked { path }) => {
+                assert_eq!(path, link);
+                refused.push(name);
+            }
+            Err(error) => panic!("{name}: {error}"),
+            Ok(resumed) => {
+                drop(resumed);
+                run_on(&run, 200);
+            }
+        }
+        let _ = tdem_results::report::write(&run, &tdem_results::report::Subject::default(), None);
+        let _ = tdem_results::pack(&run, &run.join("packed"), 0);
+        assert!(is_whole(), "{name}");
+        // A run that begins anew puts files of its own in the place of links.
+        match RunDirectory::create(&run, "# a test\n", true) {
+            Ok(_) => assert!(name == ".lock" || !link.is_symlink(), "{name}"),
+            Err(Error::Linked { path }) => assert_eq!((name, path), (".lock", link)),
+            Err(error) => panic!("{name}: {error}"),
+        }
+        assert!(is_whole(), "{name}");
+        fs::remove_dir_all(&run).unwrap();
+    }
+    assert_eq!(refused, [".lock", "log.txt", "history.csv", "frames", "checkpoints", "pictures"]);
+
+    // Where packed files go, too.
+    symlink(&secrets, whole.join("packed")).unwrap();
+    assert!(matches!(tdem_results::pack(&whole, &whole.join("packed"), 0), Err(Error::Linked { .. })));
+    assert!(is_whole());
+}
+
+/// What is done to a run.
+type Harm = fn(&Path);
+
+#[test]
+fn displacements_go_on_counting_from_the_start_when_the_first_checkpoint_is_gone() {
+    let straight = tempfile::tempdir().unwrap();
+    run_new(straight.path(), 400);
+    let harms: [(&str, Harm, bool); 5] = [
+        (
+            "the first checkpoint deleted",
+            |run| fs::remove_file(run.join("checkpoints/000000000000.safetensors")).unwrap(),
+            true,
+        ),
+        ("the first checkpoint damaged", |run| spoil(&run.join("checkpoints/000000000000.safetensors")), true),
+        ("the places deleted", |run| fs::remove_file(run.join("start.safetensors")).unwrap(), true),
+        ("the places damaged", |run| spoil(&run.join("start.safetensors")), true),
+        (
+            "both gone",
+            |run| {
+                fs::remove_file(run.join("checkpoints/000000000000.safetensors")).unwrap();
+                fs::remove_file(run.join("start.safetensors")).unwrap();
+            },
+            false,
+        ),
+    ];
+    for (name, harm, recovers) in harms {
+        let folder = tempfile::tempdir().unwrap();
+        run_new(folder.path(), 250);
+        harm(folder.path());
+        let lost = RunDirectory::open(folder.path()).unwrap().start_lost;
+        assert_eq!(lost.is_none(), recovers, "{name}: {lost:?}");
+        let log = fs::read_to_string(folder.path().join("log.txt")).unwrap();
+        assert_eq!(log.contains("displacements are not known any more"), !recovers, "{name}");
+        run_on(folder.path(), 400);
+        if recovers {
+            common::assert_same_results(straight.path(), folder.path());
+        } else {
+            assert!(tdem_results::info(folder.path()).unwrap().unreadable_frames.is_empty());
+        }
+    }
+}
+
+fn spoil(path: &Path) {
+    let mut bytes = fs::read(path).unwrap();
+    let last = bytes.len() - 9;
+    bytes[last] ^= 16;
+    fs::write(path, bytes).unwrap();
 }

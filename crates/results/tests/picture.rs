@@ -141,4 +141,7 @@ fn impossible_sizes_are_refused() {
         let result = render(&common::state(), &common::plan(), &Options { width, height, ..Options::default() });
         assert!(matches!(result, Err(Error::PictureSize { .. })));
     }
+    let huge = Options { width: 100_000, height: 100_000, ..Options::default() };
+    let told = render(&common::state(), &common::plan(), &huge).expect_err("nobody has the memory").to_string();
+    assert!(told.contains("100000 x 100000 pixels, which takes some 450 GB"), "{told}");
 }

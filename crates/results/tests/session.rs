@@ -10,7 +10,7 @@ use std::time::Duration;
 use tdem_engine::cpu::Options;
 use tdem_engine::physics::heat::{Conductor, Path};
 use tdem_engine::{
-    Exposure, HeatPlan, Ledger, Motion, Relaxation, Schedule, Scheme, Simulation, Thermal, ThermalTables,
+    Exposure, Fault, HeatPlan, Ledger, Motion, Relaxation, Schedule, Scheme, Simulation, Thermal, ThermalTables,
 };
 use tdem_results::session::run;
 use tdem_results::{Control, Note, Observer, Outcome, Progress, Row, RunDirectory, RunError, load_final_state};
@@ -59,7 +59,7 @@ fn the_files_are_those_of_writing_one_after_the_other() {
         }
         simulation.advance(10).unwrap();
     }
-    directory.publish().unwrap();
+    directory.finish().unwrap();
     assert_same_results(session.path(), plain.path());
     for step in [0, 350, 400] {
         let [one, other] = [&session, &plain].map(|run| {
@@ -196,6 +196,20 @@ fn a_fault_names_the_last_good_checkpoint_and_keeps_the_results() {
     let last: u64 = history.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
     assert!(last >= *checkpoint && history.lines().count() as u64 == last / 10 + 2, "no row is missing");
     assert!(fs::read_to_string(folder.path().join("log.txt")).unwrap().lines().count() >= 2);
+}
+
+#[test]
+fn an_infinite_energy_is_a_fault_and_no_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut directory = RunDirectory::create(folder.path(), "", false).unwrap();
+    let mut state = state();
+    state.angular_velocity[3] = [0.0, 1e200, 0.0];
+    let error = run(simulation(state), &mut directory, &schedule(100), &mut Watcher::default()).unwrap_err();
+    drop(directory);
+    let RunError::Fault { fault: Fault::Unbounded { quantity, value, .. }, .. } = &error else { panic!("{error}") };
+    assert_eq!((*quantity, *value), ("kinetic_rotation", f64::INFINITY));
+    assert!(error.to_string().contains("`kinetic_rotation` is inf J at step 0"), "{error}");
+    assert_eq!(fs::read_to_string(folder.path().join("history.csv")).unwrap().lines().count(), 1);
 }
 
 #[test]

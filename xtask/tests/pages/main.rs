@@ -55,6 +55,13 @@ fn outputs() -> String {
          `_z`. Frames hold numbers in single precision unless the case asks for double; `history.csv` and checkpoints \
          hold every bit. [numerics.md](numerics.md) says what the energy columns mean.\n",
     );
+    page += "\nFrames are files of their own in `frames/`. While a run goes on, `particles.vtkhdf` and its like are an *index* over them: \
+             copied without `frames/`, they show no points in ParaView, and in h5py not a number, and -1 for integers. When a run ends whose frames take less than \
+             1 GB, they become files that hold all numbers themselves and can be sent; for a larger run, `tdem pack DIR` makes \
+             such files. The attribute `content` of a file says which it is, and `left_out` which frames it lacks because they \
+             are damaged or gone. `frames.csv` lists number, step, time, length and XXH3 checksum (128 bits) of every frame, and \
+             an XXH3 of each line (64 bits): `tdem info`, `tdem pack` and `tdem resume` compare them. `start.safetensors` keeps \
+             where particles were at the start of the run; `displacement` counts from there.\n";
     page += "\n`report.html` shows all of it on one page, for any browser, without loading anything. `pictures/NAME-STEP.png` are \
              drawn as the run goes on, as `[[picture]]` of the case says; their text chunks tell `step`, `time` (s; of the heat, where there \
              is any), `field`, and the values `low` and `high` at the ends of the colours.\n";

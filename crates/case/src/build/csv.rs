@@ -27,7 +27,7 @@ pub(super) fn place(
     let fail = |code, message: String, label: &str, help: &str| {
         Problem::new(code, message).at(here.clone(), label.to_owned()).help(help.to_owned())
     };
-    let text = std::fs::read_to_string(&path).map_err(|e| {
+    let text = table::read(&path).map_err(|e| {
         vec![fail(
             codes::CSV_UNREADABLE,
             format!("cannot read {name}: {e}"),

@@ -49,6 +49,12 @@ pub(super) fn place(
             .at(context.place(group, &["run", "directory"]), "this run")
             .help("name the directory of a run that left a checkpoint; paths are relative to the folder of the case")
     })?;
+    // All that follows looks up rows of one field by those of another.
+    state.look_for_flaws().map_err(|flaw| {
+        Problem::new(codes::RUN_UNREADABLE, format!("cannot take the state of {}: {flaw}", directory.display()))
+            .at(context.place(group, &["run", "directory"]), "this run")
+            .help("the state is none that a run leaves; run that case again")
+    })?;
     let material = if particles.material.is_some() {
         Vec::new()
     } else {

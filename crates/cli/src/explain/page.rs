@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tdem_case::{Code, Problems};
 use tdem_engine::{Fault, gpu};
-use tdem_results::{Error, RunError};
+use tdem_results::{Error, FrameDamage, RunError};
 
 /// Families of codes, by what stands between the colons.
 const FAMILIES: [(&str, &str, &str); 9] = [
@@ -192,6 +192,7 @@ fn faults() -> Vec<Reports> {
     let faults = [
         Fault::NotFinite { step, time, particle },
         Fault::Temperature { step, time, particle, temperature: -41.7 },
+        Fault::Unbounded { step, time, quantity: "kinetic_rotation", value: f64::INFINITY, unit: "J" },
         Fault::Conduction { step, time, iterations: 1000, error: 0.031 },
         Fault::Escaped { step, time, particle, position: [0.125, 0.5, -0.031_25] },
         Fault::Overlap { step, time, first: particle, second: 912, ratio: 0.512, limit: 0.5 },
@@ -221,8 +222,10 @@ fn errors() -> Vec<Reports> {
         Error::NotARun { path: run() },
         Error::NoCheckpoint { damaged: 2, path: run() },
         Error::NoFrames { path: run() },
+        Error::Linked { path: run().join("log.txt") },
+        Error::Frame { damage: FrameDamage::Changed { step: 600 }, path: run().join("frames/000012.vtkhdf") },
         Error::HistoryColumns { path: run().join("history.csv") },
-        Error::PictureSize { width: 0, height: 800 },
+        Error::PictureSize { width: 100_000, height: 100_000, needed: 450_000_000_000 },
     ];
     errors.map(Reports::from).into()
 }

@@ -407,11 +407,53 @@ fn a_cache_gives_back_what_it_was_given_and_nothing_damaged() {
     assert_eq!(cache.load(&["sourceopt", "ions"]), None);
     let file = std::fs::read_dir(folder.join("new")).unwrap().next().unwrap().unwrap().path();
     let whole = std::fs::read(&file).unwrap();
-    for damaged in [&whole[..3], &whole[..18], &[&whole[..19], &b"X"[..]].concat()] {
+    for damaged in [&whole[..3], &whole[..18], &whole[..34], &[&whole[..35], &b"X"[..]].concat()] {
         std::fs::write(&file, damaged).unwrap();
         assert_eq!(cache.load(&origin), None);
     }
     // A folder that cannot be made is no error.
     KernelCache::at(file.join("under a file")).store(&origin, b"code");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_cache_takes_no_code_that_another_could_have_written() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = env::temp_dir().join(format!("tdem-kernel-links-{}", std::process::id()));
+    let cache = KernelCache::at(folder.clone());
+    let (one, other) = (["one"], ["other"]);
+    cache.store(&one, b"code");
+    let entry = std::fs::read_dir(&folder).unwrap().next().unwrap().unwrap().path();
+    cache.store(&other, b"other code");
+    let of_other =
+        std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).find(|p| *p != entry).unwrap();
+
+    let whole = std::fs::metadata(&entry).unwrap().permissions();
+    assert_eq!(whole.mode() & 0o777, 0o600);
+    for open in [0o620, 0o602] {
+        std::fs::set_permissions(&entry, PermissionsExt::from_mode(open)).unwrap();
+        assert_eq!(cache.load(&one), None, "{open:o}");
+    }
+    std::fs::set_permissions(&entry, whole).unwrap();
+    assert_eq!(cache.load(&one).as_deref(), Some(&b"code"[..]));
+
+    // Under the name of another, and by a link to it.
+    std::fs::copy(&of_other, &entry).unwrap();
+    assert_eq!(cache.load(&one), None);
+    std::fs::remove_file(&entry).unwrap();
+    cache.store(&one, b"code");
+    let aside = folder.join("aside");
+    std::fs::rename(&entry, &aside).unwrap();
+    symlink(&aside, &entry).unwrap();
+    assert_eq!(cache.load(&one), None);
+
+    // What a link under the temporary name leads to is left alone.
+    let victim = folder.join("victim");
+    std::fs::write(&victim, "precious").unwrap();
+    symlink(&victim, entry.with_extension(format!("{}.tmp", std::process::id()))).unwrap();
+    cache.store(&one, b"code");
+    assert_eq!(cache.load(&one).as_deref(), Some(&b"code"[..]));
+    assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious");
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -31,7 +31,7 @@ impl Series {
     pub(crate) fn write(&self, run: &Path, state: &State, plan: &Plan) -> Result<PathBuf, Error> {
         let path = file_of(run, &self.name, state.step);
         let folder = files::parent(&path);
-        fs::create_dir_all(folder).context(Action::CreateFolder, folder)?;
+        files::make_folder(folder)?;
         let picture = render(state, plan, &self.options)?;
         atomically(&path, |unfinished| fs::write(unfinished, &picture).context(Action::Write, &path))?;
         Ok(path)

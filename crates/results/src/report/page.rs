@@ -8,7 +8,9 @@ use super::images;
 use super::story::Story;
 use crate::error::Error;
 use crate::files::entries;
+use crate::frame_list;
 use crate::run_directory::{CASE, CHECKPOINTS, FRAMES, HISTORY, PICTURES, REPORT};
+use crate::start;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -244,6 +246,8 @@ fn meaning(name: &str) -> &'static str {
         CASE => "the case as it ran, every default written out",
         HISTORY => "energies, counts and gauges over time, one row per recorded step",
         "log.txt" => "what happened and when",
+        frame_list::FILE => "steps, times and checksums of the frames",
+        start::FILE => "where particles were at the start; displacements count from there",
         _ if name.trim_end_matches('/') == FRAMES => "one file per instant, written once",
         _ if name.trim_end_matches('/') == CHECKPOINTS => "complete states; `tdem resume` goes on from the last",
         _ if name.trim_end_matches('/') == PICTURES => "pictures that were drawn as the run went on",

@@ -2,10 +2,10 @@
 
 use super::array::{Array, Storage};
 use super::block::{Block, Field, TOPOLOGIES};
-use super::hdf5::{Label, NewFile, NewGroup, Packed, Result, StoredFile};
+use super::hdf5::{FormatError, Label, NewFile, NewGroup, Packed, Result, StoredFile};
 use crate::blocks::entry_of;
 use crate::error::{Action, Context, Error};
-use crate::files::atomically;
+use crate::files::{Seal, atomically};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -71,7 +71,7 @@ impl FieldKind {
 }
 
 impl Frame {
-    /// Writes a frame into a run.
+    /// Writes a frame into a run. What the file holds is told beside it.
     pub(crate) fn write(
         run: &Path,
         file: String,
@@ -79,12 +79,15 @@ impl Frame {
         time: f64,
         blocks: &[Block],
         compression: u32,
-    ) -> std::result::Result<Self, Error> {
+    ) -> std::result::Result<(Self, Seal), Error> {
         let path = run.join(&file);
+        let mut seal = Seal::default();
         atomically(&path, |unfinished| {
-            write(unfinished, step, time, blocks, compression).context(Action::Write, &path)
+            write(unfinished, step, time, blocks, compression).context(Action::Write, &path)?;
+            seal = Seal::of(unfinished).context(Action::Write, &path)?;
+            Ok(())
         })?;
-        Ok(Frame { file, step, time, blocks: blocks.iter().map(BlockSize::of).collect() })
+        Ok((Frame { file, step, time, blocks: blocks.iter().map(BlockSize::of).collect() }, seal))
     }
 
     /// Looks at a frame of a run.
@@ -170,36 +173,68 @@ pub(super) fn label(block: &str, field: &str) -> Label {
     entry_of(block, field).map_or(Label::default(), |entry| Label { unit: entry.unit, description: entry.description })
 }
 
+/// Reads what a master must know. Every count is compared with what it counts, so that nothing later relies on a count that
+/// was changed.
 fn read(stored: &StoredFile, file: String) -> Result<Frame> {
-    let first = |dataset: &str| -> Result<i64> { Ok(stored.integers(dataset)?.first().copied().unwrap_or(0)) };
+    let first = |dataset: &str| -> Result<i64> {
+        stored.integers(dataset)?.first().copied().ok_or_else(|| FormatError::Unusable { dataset: dataset.into() })
+    };
     let mut blocks = Vec::new();
     for name in stored.names(&format!("{NOTES}/fixed")) {
         let group = format!("VTKHDF/{name}");
+        if !name.bytes().all(|letter| letter.is_ascii_alphanumeric() || letter == b'_') {
+            // The name becomes that of a file.
+            return Err(FormatError::Unusable { dataset: group });
+        }
+        let counted = |number: &str, dataset: &str, more: i64| -> Result<usize> {
+            let (count, rows) = (first(number)?, stored.rows(dataset)?);
+            match usize::try_from(count) {
+                Ok(found) if found.checked_add(more as usize) == Some(rows) => Ok(found),
+                _ => Err(FormatError::Counts { dataset: dataset.into(), rows, expected: count.saturating_add(more) }),
+            }
+        };
+        let points = format!("{group}/Points");
+        let (point_storage, components) = stored.layout(&points)?;
+        if components != 3 {
+            return Err(FormatError::Unusable { dataset: points });
+        }
         let mut size = BlockSize {
             fixed: first(&format!("{NOTES}/fixed/{name}"))? != 0,
-            points: first(&format!("{group}/NumberOfPoints"))? as usize,
-            point_storage: stored.layout(&format!("{group}/Points"))?.0,
+            points: counted(&format!("{group}/NumberOfPoints"), &points, 0)?,
+            point_storage,
             cells: [0; 4],
             connectivity: [0; 4],
-            point_fields: fields(stored, &format!("{group}/PointData"))?,
-            cell_fields: fields(stored, &format!("{group}/CellData"))?,
+            point_fields: Vec::new(),
+            cell_fields: Vec::new(),
             name,
         };
         for (k, kind) in TOPOLOGIES.iter().enumerate() {
-            size.cells[k] = first(&format!("{group}/{kind}/NumberOfCells"))? as usize;
-            size.connectivity[k] = first(&format!("{group}/{kind}/NumberOfConnectivityIds"))? as usize;
+            let kind = format!("{group}/{kind}");
+            size.cells[k] = counted(&format!("{kind}/NumberOfCells"), &format!("{kind}/Offsets"), 1)?;
+            size.connectivity[k] =
+                counted(&format!("{kind}/NumberOfConnectivityIds"), &format!("{kind}/Connectivity"), 0)?;
         }
+        size.point_fields = fields(stored, &format!("{group}/PointData"), size.points)?;
+        size.cell_fields = fields(stored, &format!("{group}/CellData"), size.cell_count())?;
         blocks.push(size);
     }
     let step = first(&format!("{NOTES}/step"))?.cast_unsigned();
-    let time = stored.reals(&format!("{NOTES}/time"))?.first().copied().unwrap_or(0.0);
+    let time = format!("{NOTES}/time");
+    let time = match stored.reals(&time)?.first() {
+        Some(value) if value.is_finite() => *value,
+        _ => return Err(FormatError::Unusable { dataset: time }),
+    };
     Ok(Frame { file, step, time, blocks })
 }
 
-fn fields(stored: &StoredFile, group: &str) -> Result<Vec<FieldKind>> {
+fn fields(stored: &StoredFile, group: &str, rows: usize) -> Result<Vec<FieldKind>> {
     let kind = |name: String| {
-        let (storage, components) = stored.layout(&format!("{group}/{name}"))?;
-        Ok(FieldKind { name, components, storage })
+        let dataset = format!("{group}/{name}");
+        let (storage, components) = stored.layout(&dataset)?;
+        match stored.rows(&dataset)? {
+            found if found == rows => Ok(FieldKind { name, components, storage }),
+            found => Err(FormatError::Counts { dataset, rows: found, expected: rows as i64 }),
+        }
     };
     stored.names(group).into_iter().map(kind).collect()
 }

@@ -7,6 +7,7 @@ use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
 use rust_hdf5::{
     DatatypeMessage, FileLocking, H5Dataset, H5File, H5Group, H5Type, Hdf5Error, Hyperslab, HyperslabBlock, Selection,
+    StorageLayout,
 };
 use std::io::Write;
 use std::path::Path;
@@ -14,19 +15,49 @@ use thiserror::Error;
 
 /// Why an HDF5 file could not be written or understood.
 #[derive(Debug, Error)]
-#[error(transparent)]
-pub struct FormatError(#[from] Hdf5Error);
+pub enum FormatError {
+    /// The library of the format says why.
+    #[error(transparent)]
+    Library(#[from] Hdf5Error),
+    /// A dataset would hold more than its file can.
+    #[error("`{dataset}` says that it holds {values} values, more than a file of {file_bytes} bytes can")]
+    TooLarge {
+        /// Its name.
+        dataset: String,
+        /// Values that its shape stands for.
+        values: u128,
+        /// Length of the file.
+        file_bytes: u64,
+    },
+    /// Counts of points or cells are not those of the datasets they count.
+    #[error("`{dataset}` has {rows} rows where {expected} are counted")]
+    Counts {
+        /// The dataset.
+        dataset: String,
+        /// Its rows.
+        rows: usize,
+        /// What the counts say.
+        expected: i64,
+    },
+    /// A number or a name is none that this program writes.
+    #[error("`{dataset}` is not as this program writes it")]
+    Unusable {
+        /// Where it stands.
+        dataset: String,
+    },
+}
 
 impl FormatError {
     /// The operating system's error, if it was one.
     pub(crate) fn into_io(self) -> std::result::Result<std::io::Error, FormatError> {
-        match self.0 {
-            Hdf5Error::Io(error) => Ok(error),
+        match self {
+            FormatError::Library(Hdf5Error::Io(error)) => Ok(error),
             // The library keeps the type of its inner error to itself; what it prints ends with the system's number.
-            other => match os_error(&other.to_string()) {
+            FormatError::Library(other) => match os_error(&other.to_string()) {
                 Some(code) => Ok(std::io::Error::from_raw_os_error(code)),
-                None => Err(FormatError(other)),
+                None => Err(FormatError::Library(other)),
             },
+            other => Err(other),
         }
     }
 }
@@ -46,6 +77,10 @@ const WORTH_COMPRESSING: usize = 256;
 
 /// No filter was left out of a chunk.
 const ALL_FILTERS: u32 = 0;
+/// Deflate packs at most 1032 bytes into one; a compressed dataset holds no more than this times its file.
+const MOST_PACKED: u128 = 1032;
+/// Chunks that are compressed at a time when numbers are copied: as many as cores can share, few enough for the memory.
+const BATCH: usize = 32;
 
 fn compressed(rows: usize, level: u32) -> bool {
     level > 0 && rows >= WORTH_COMPRESSING
@@ -122,6 +157,10 @@ impl NewFile {
     pub(crate) fn group(&self, name: &str) -> Result<NewGroup> {
         Ok(NewGroup(self.0.create_group(name)?))
     }
+    /// An attribute of the file itself.
+    pub(crate) fn text_attribute(&self, name: &str, text: &str) -> Result<()> {
+        Ok(self.0.set_attr_typed(name, ascii(text), text.as_bytes().to_vec())?)
+    }
     pub(crate) fn close(self) -> Result<()> {
         // Whoever gives the file its name syncs it.
         Ok(self.0.close_no_sync()?)
@@ -140,6 +179,9 @@ impl NewGroup {
     }
     pub(crate) fn integer_attribute(&self, name: &str, value: i64) -> Result<()> {
         Ok(self.0.set_attr_numeric(name, &value)?)
+    }
+    pub(crate) fn text_attribute(&self, name: &str, text: &str) -> Result<()> {
+        Ok(self.0.set_attr_typed(name, ascii(text), text.as_bytes().to_vec())?)
     }
     pub(crate) fn soft_link(&self, name: &str, target: &str) -> Result<()> {
         Ok(self.0.create_soft_link(name, target)?)
@@ -169,20 +211,22 @@ impl NewGroup {
         self.put(name, &Packed::new(components, &Array::I64(values), 0)?, Label::default())
     }
 
-    /// A virtual dataset: the rows of the sources, one after the other, which stay where they are.
+    /// A virtual dataset: the rows of the sources, one after the other, which stay where they are. Where a source is not
+    /// found, readers see not a number, and this integer.
     pub(crate) fn put_virtual(
         &self,
         name: &str,
         components: usize,
         storage: Storage,
         sources: &[Source],
+        nothing: i32,
         label: Label,
     ) -> Result<()> {
         match storage {
-            Storage::F32 => self.map::<f32>(name, components, sources, label),
-            Storage::F64 => self.map::<f64>(name, components, sources, label),
-            Storage::I32 => self.map::<i32>(name, components, sources, label),
-            Storage::I64 => self.map::<i64>(name, components, sources, label),
+            Storage::F32 => self.map::<f32>(name, components, sources, f32::NAN, label),
+            Storage::F64 => self.map::<f64>(name, components, sources, f64::NAN, label),
+            Storage::I32 => self.map::<i32>(name, components, sources, nothing, label),
+            Storage::I64 => self.map::<i64>(name, components, sources, nothing.into(), label),
         }
     }
 
@@ -224,9 +268,16 @@ impl NewGroup {
         Ok(dataset)
     }
 
-    fn map<T: H5Type>(&self, name: &str, components: usize, sources: &[Source], label: Label) -> Result<()> {
+    fn map<T: H5Type>(
+        &self,
+        name: &str,
+        components: usize,
+        sources: &[Source],
+        nothing: T,
+        label: Label,
+    ) -> Result<()> {
         let rows = sources.iter().map(|source| source.rows).sum();
-        let mut builder = self.0.new_dataset::<T>().shape(shape(rows, components));
+        let mut builder = self.0.new_dataset::<T>().shape(shape(rows, components)).fill_value(nothing);
         let mut first = 0;
         for source in sources.iter().filter(|source| source.rows > 0) {
             let last = first + source.rows as u64 - 1;
@@ -243,7 +294,7 @@ impl NewGroup {
         describe(&builder.create(name)?, label)
     }
 
-    fn copy<T: H5Type>(
+    fn copy<T: H5Type + NoUninit + Sync>(
         &self,
         name: &str,
         components: usize,
@@ -253,30 +304,40 @@ impl NewGroup {
     ) -> Result<()> {
         let rows: usize = sources.iter().map(|source| source.rows).sum();
         let dataset = self.create::<T>(name, rows, components, copying.level, label, None)?;
+        let chunk = rows.min(CHUNK) * components;
+        let compressed = compressed(rows, copying.level);
         let mut waiting: Vec<T> = Vec::new();
         let mut written = 0;
-        let mut write = |waiting: &mut Vec<T>, rows: usize| -> Result<()> {
-            if rows > 0 {
-                let (start, count) = if components > 1 {
-                    (vec![written, 0], vec![rows, components])
-                } else {
-                    (vec![written], vec![rows])
-                };
-                dataset.write_slice(&start, &count, &waiting[..rows * components])?;
-                waiting.drain(..rows * components);
-                written += rows;
+        let mut write = |values: &[T]| -> Result<()> {
+            if compressed {
+                for (index, packed) in pack(values, chunk, copying.level)?.iter().enumerate() {
+                    dataset.write_chunk_raw(written / CHUNK + index, packed, ALL_FILTERS)?;
+                }
+            } else if !values.is_empty() {
+                let (start, count) = (values.len() / components, components);
+                let (start, count) =
+                    if components > 1 { (vec![written, 0], vec![start, count]) } else { (vec![written], vec![start]) };
+                dataset.write_slice(&start, &count, values)?;
             }
+            written += values.len() / components;
             Ok(())
         };
         for source in sources.iter().filter(|source| source.rows > 0) {
             let file = StoredFile::open(&copying.folder.join(&source.file))?;
-            waiting.extend(file.0.dataset(source.dataset.trim_start_matches('/'))?.read_raw::<T>()?);
-            // Whole chunks only: a chunk written in two goes is packed, unpacked and packed again.
-            let whole = waiting.len() / components / CHUNK * CHUNK;
-            write(&mut waiting, whole)?;
+            let values = file.dataset(&source.dataset)?.read_raw::<T>()?;
+            if values.len() != source.rows * components {
+                let (dataset, rows) = (source.dataset.clone(), values.len() / components);
+                return Err(FormatError::Counts { dataset, rows, expected: source.rows as i64 });
+            }
+            waiting.extend(values);
+            // Whole chunks only, so that each is packed once.
+            if waiting.len() >= BATCH * chunk {
+                let whole = waiting.len() / chunk * chunk;
+                write(&waiting[..whole])?;
+                waiting.drain(..whole);
+            }
         }
-        let rest = waiting.len() / components;
-        write(&mut waiting, rest)
+        write(&waiting)
     }
 }
 
@@ -287,29 +348,58 @@ pub(crate) struct Copying<'a> {
 }
 
 /// A finished file.
-pub(crate) struct StoredFile(H5File);
+pub(crate) struct StoredFile {
+    file: H5File,
+    /// Its length; nothing in it is larger than that lets it be.
+    bytes: u64,
+}
 
 impl StoredFile {
     pub(crate) fn open(path: &Path) -> Result<Self> {
+        let bytes = std::fs::metadata(path).map_err(Hdf5Error::Io)?.len();
         // Frames never change once they have their name.
-        Ok(StoredFile(H5File::options().no_locking().open(path)?))
+        Ok(StoredFile { file: H5File::options().no_locking().open(path)?, bytes })
+    }
+    /// A dataset, of which no more is said than its file can hold: only then is room made for it.
+    fn dataset(&self, name: &str) -> Result<H5Dataset> {
+        let dataset = self.file.dataset(name.trim_start_matches('/'))?;
+        let count = |dims: &[usize]| dims.iter().fold(1_u128, |all, &dim| all.saturating_mul(dim as u128));
+        let values = count(&dataset.shape()).max(dataset.chunk_dims().map_or(0, |dims| count(&dims)));
+        let room = match dataset.storage_layout()? {
+            StorageLayout::Chunked => MOST_PACKED * u128::from(self.bytes),
+            StorageLayout::Contiguous | StorageLayout::Compact => u128::from(self.bytes),
+            // The numbers of a master are in other files.
+            StorageLayout::Virtual => u128::MAX,
+        };
+        if values.saturating_mul(dataset.element_size() as u128) > room {
+            return Err(FormatError::TooLarge { dataset: name.into(), values, file_bytes: self.bytes });
+        }
+        Ok(dataset)
+    }
+    /// A text that belongs to the file itself, if there is one of this name.
+    pub(crate) fn text_attribute(&self, name: &str) -> Option<String> {
+        self.file.attr_string(name).ok()
+    }
+    /// Number of rows of a dataset.
+    pub(crate) fn rows(&self, dataset: &str) -> Result<usize> {
+        Ok(self.dataset(dataset)?.shape().first().copied().unwrap_or(1))
     }
     /// Names of the datasets directly in a group; none if there is no such group.
     pub(crate) fn names(&self, group: &str) -> Vec<String> {
         let prefix = format!("{}/", group.trim_matches('/'));
-        let names = self.0.dataset_names();
+        let names = self.file.dataset_names();
         let inside = names.iter().filter_map(|name| name.trim_start_matches('/').strip_prefix(&prefix));
         inside.filter(|name| !name.contains('/')).map(Into::into).collect()
     }
     pub(crate) fn integers(&self, dataset: &str) -> Result<Vec<i64>> {
-        Ok(self.0.dataset(dataset)?.read_raw::<i64>()?)
+        Ok(self.dataset(dataset)?.read_raw::<i64>()?)
     }
     pub(crate) fn reals(&self, dataset: &str) -> Result<Vec<f64>> {
-        Ok(self.0.dataset(dataset)?.read_raw::<f64>()?)
+        Ok(self.dataset(dataset)?.read_raw::<f64>()?)
     }
     /// How a dataset is stored, and how many components a row has.
-    pub(crate) fn layout(&self, dataset: &str) -> Result<(Storage, usize)> {
-        let dataset = self.0.dataset(dataset)?;
+    pub(crate) fn layout(&self, name: &str) -> Result<(Storage, usize)> {
+        let dataset = self.dataset(name)?;
         let storage = match dataset.datatype()? {
             DatatypeMessage::FloatingPoint { size: 4, .. } => Storage::F32,
             DatatypeMessage::FloatingPoint { size: 8, .. } => Storage::F64,
@@ -317,7 +407,11 @@ impl StoredFile {
             DatatypeMessage::FixedPoint { size: 8, signed: true, .. } => Storage::I64,
             other => return Err(Hdf5Error::Unsupported(format!("a dataset of type {other:?}")).into()),
         };
-        Ok((storage, dataset.shape().get(1).copied().unwrap_or(1)))
+        match dataset.shape().as_slice() {
+            [_] => Ok((storage, 1)),
+            &[_, components] if components > 0 => Ok((storage, components)),
+            _ => Err(FormatError::Unusable { dataset: name.into() }),
+        }
     }
 }
 

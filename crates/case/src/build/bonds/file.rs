@@ -25,7 +25,7 @@ pub(super) fn read(
     let problem = |code, message: String, help: &str| {
         Problem::new(code, message).at(here.clone(), "in this file").help(help.to_owned())
     };
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let text = table::read(&path).map_err(|error| {
         let help = "paths are relative to the folder of the case";
         vec![problem(codes::CSV_UNREADABLE, format!("cannot read {name}: {error}"), help)]
     })?;
