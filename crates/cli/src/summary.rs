@@ -121,7 +121,10 @@ fn ledger(ledger: &Ledger, overlap: Option<[f64; 2]>) -> String {
     );
     if let Some([largest, time]) = overlap.filter(|[largest, _]| *largest > 0.0) {
         let (percent, time) = (number(100.0 * largest, 3), short(time));
-        text += &entry("overlap", format!("at most {percent} % of the mean radius of a pair, at t = {time} s"));
+        text += &entry(
+            "overlap",
+            format!("at most {percent} % of the smaller radius of a pair or of the radius at a wall, at t = {time} s"),
+        );
     }
     let unbalanced = match ledger.contacts + ledger.wall_contacts {
         0 => String::new(),

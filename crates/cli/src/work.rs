@@ -147,7 +147,7 @@ impl Work<'_> {
     }
 }
 
-/// Overlap over the mean radius of a pair from which on it is warned of: the contact radius is then 0.16 of the radius, no
+/// Overlap over the smaller radius from which on it is warned of: the contact radius is then 0.16 of the radius, no
 /// longer small.
 const LARGE_OVERLAP: f64 = 0.05;
 
@@ -163,7 +163,7 @@ fn largest_overlap(run: &Path) -> Option<[f64; 2]> {
 /// That spheres overlapped more than a law of small overlaps is for.
 fn large_overlap(largest: f64, time: f64) -> String {
     format!(
-        "particles overlapped by up to {} % of the mean radius of a pair, at t = {} s",
+        "particles overlapped by up to {} % of the smaller radius of a pair or of the radius at a wall, at t = {} s",
         number(100.0 * largest, 3),
         short(time)
     )
