@@ -13,7 +13,8 @@ use crate::history::{History, Row};
 use crate::lock::{self, Lock};
 use crate::log::{self, Event};
 use crate::picture::{self, Series};
-use crate::vtkhdf::frame::Frame;
+use crate::vtkhdf::about::{About, Names};
+use crate::vtkhdf::frame::{Frame, Moment};
 use crate::vtkhdf::master::{self, Numbers};
 use crate::writer::Wanted;
 use std::fs;
@@ -37,6 +38,7 @@ const MASTER_INTERVAL: Duration = Duration::from_secs(4);
 pub struct RunDirectory {
     path: PathBuf,
     contents: Contents,
+    names: Names,
     series: Vec<Series>,
     frames: Vec<Frame>,
     next_frame: u64,
@@ -158,6 +160,7 @@ impl RunDirectory {
         RunDirectory {
             path: path.into(),
             contents: Contents::default(),
+            names: Names::default(),
             series: Vec::new(),
             next_frame: stored.next,
             frames: stored.frames,
@@ -188,6 +191,11 @@ impl RunDirectory {
     /// Decides what frames hold from now on.
     pub fn set_contents(&mut self, contents: Contents) {
         self.contents = contents;
+    }
+
+    /// Decides which names frames tell from now on.
+    pub fn set_names(&mut self, names: Names) {
+        self.names = names;
     }
 
     /// Decides which pictures are drawn from now on.
@@ -241,8 +249,10 @@ impl RunDirectory {
         let scene = Scene { state, plan, start };
         let file = frame_name(self.next_frame);
         let blocks = scene.blocks(self.contents);
-        let time = plan.time(state.step);
-        self.frames.push(Frame::write(&self.path, file, state.step, time, &blocks, self.contents.compression)?);
+        let heat_time = plan.heat.as_ref().map(|_| plan.heat_time(state.step));
+        let about = About { heat_time, names: self.names.clone() };
+        let moment = Moment { step: state.step, time: plan.time(state.step), about };
+        self.frames.push(Frame::write(&self.path, file, moment, &blocks, self.contents.compression)?);
         self.next_frame += 1;
         self.masters_current = false;
         if self.frames.len() == 1 || self.masters_written.elapsed() >= MASTER_INTERVAL {
@@ -272,6 +282,14 @@ impl RunDirectory {
     /// Whatever the file system says; older pictures are then still there.
     pub fn pictures(&mut self, state: &State, plan: &Plan) -> Result<(), Error> {
         self.series.iter().try_for_each(|series| series.write(&self.path, state, plan).map(drop))
+    }
+
+    /// Gives all pictures of a series the same colours for the same values.
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    pub fn unify_pictures(&self) -> Result<(), Error> {
+        self.series.iter().try_for_each(|series| picture::unify(&self.path, series))
     }
 
     /// Adds a row to the history. A step that has its row already gets no other.

@@ -151,6 +151,7 @@ fn run_into(
     let mut witness = Witness { observer, turns: None };
     let outcome = carry_on(simulation, directory, last_checkpoint, schedule, &mut witness)?;
     directory.publish()?;
+    directory.unify_pictures()?;
     if let Some(turns) = witness.turns.filter(|turns| turns.unrelaxed > 0) {
         directory.log(&Event::Warning(format!(
             "particles were not at rest behind {} steps of the heat, the last of them step {}; the ratio of forces was up \
