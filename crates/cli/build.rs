@@ -1,5 +1,7 @@
 //! Tells the program of which commit it is: as `git` knows it, or as `cargo package` noted it; else nothing is said.
 
+#![allow(clippy::print_stdout, reason = "a build script talks to cargo by printing")]
+
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -209,6 +209,8 @@ impl<'f> Instant<'f> {
 
     /// Units stand before the first instant only.
     fn lammps(&self, domain: &Domain, first: bool) -> String {
+        // Types and ids of LAMMPS count from one.
+        const TOLD: [&str; 2] = ["id", "material"];
         let bounds = domain.periodic.map(|periodic| if periodic { "pp" } else { "ff" }).join(" ");
         let mut text = format!(
             "{}ITEM: TIME\n{:?}\nITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS {bounds}\n",
@@ -220,8 +222,6 @@ impl<'f> Instant<'f> {
         for (low, high) in domain.min.iter().zip(domain.max) {
             text += &format!("{low:?} {high:?}\n");
         }
-        // LAMMPS counts types from one, and so does its id, which is another number than ours.
-        const TOLD: [&str; 2] = ["id", "material"];
         text += "ITEM: ATOMS id type x y z";
         for field in self.fields.iter().filter(|field| !TOLD.contains(&field.name.as_str())) {
             let theirs = IN_LAMMPS.iter().find(|(ours, _)| *ours == field.name).map(|(_, names)| *names);
