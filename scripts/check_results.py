@@ -46,6 +46,8 @@ def read_frame(path):
     """Arrays of a frame by block, as h5py sees them."""
     with h5py.File(path) as file:
         frame = {"step": int(file["tdem/step"][0]), "time": float(file["tdem/time"][0]), "blocks": {}, "path": path}
+        about = file["VTKHDF/particles/FieldData"]
+        frame["about"] = {name: about[name][...].tolist() for name in about}
         for name in file["tdem/fixed"]:
             group = file["VTKHDF"][name]
             frame["blocks"][name] = {
@@ -94,6 +96,18 @@ def same_block(findings, where, data, block):
     same_arrays(findings, where, data.GetCellData(), block["cell"])
 
 
+def same_field_data(findings, where, data, about):
+    """Step, time of the heat, title, and names of materials, as VTK sees them."""
+    fields = data.GetFieldData()
+    for name, expected in about.items():
+        array = fields.GetAbstractArray(name)
+        findings.check(array is not None, f"{where}: there is no field data {name}")
+        if array is not None:
+            found = [array.GetValue(index) for index in range(array.GetNumberOfValues())]
+            expected = [value.decode() if isinstance(value, bytes) else value for value in expected]
+            findings.check(found == expected, f"{where}: {name} is {found} instead of {expected}")
+
+
 def check_single_frame(findings, frame):
     reader = vtk.vtkHDFReader()
     reader.SetFileName(str(frame["path"]))
@@ -123,6 +137,7 @@ def check_series(findings, path, frames):
         frame = instants[index]
         reader.UpdateTimeStep(frame["time"])
         same_block(findings, f"{path} at {frame['time']} s", reader.GetOutputDataObject(0), frame["blocks"][name])
+        same_field_data(findings, f"{path} at {frame['time']} s", reader.GetOutputDataObject(0), frame["about"])
     with h5py.File(path) as file:
         for place in ("point", "cell"):
             for field, data in file["VTKHDF"][f"{place.title()}Data"].items():

@@ -1,7 +1,10 @@
-//! Licences of dependencies, on every platform: only those that let anybody use `tdem` under its own.
+//! Licences of dependencies, on every platform, and of fonts: only those that let anybody use `tdem` under its own.
 
 use crate::command::Failure;
+use crate::tidy::tracked;
 use crate::workspace::Workspace;
+use std::fs;
+use std::path::Path;
 
 /// Licences that ask for nothing but a notice. BSL-1.0 is that of Boost. Weak copyleft (MPL-2.0) would do too, but
 /// nothing needs it so far.
@@ -20,6 +23,7 @@ const ALLOWED: &[&str] = &[
 ];
 
 pub(crate) fn check(workspace: &Workspace) -> Result<(), Failure> {
+    fonts(workspace)?;
     let wrong: Vec<String> = workspace
         .packages
         .iter()
@@ -32,6 +36,31 @@ pub(crate) fn check(workspace: &Workspace) -> Result<(), Failure> {
     } else {
         Err(Failure(format!("licences to look at, see xtask/src/licences.rs:{}", wrong.concat())))
     }
+}
+
+/// Fonts that are part of the program: the file, the licence beside it, and words of that licence that let anybody use it.
+const FONTS: &[(&str, &str, &str)] = &[(
+    "crates/results/fonts/DejaVuSans.ttf",
+    "crates/results/fonts/LICENSE-DejaVu.txt",
+    "Permission is hereby granted, free of charge, to any person obtaining a copy",
+)];
+
+/// That every font has a licence that lets anybody use it, and that there are no others.
+fn fonts(workspace: &Workspace) -> Result<(), Failure> {
+    let mut wrong = String::new();
+    for file in tracked(workspace)? {
+        let ending = file.extension().unwrap_or_default();
+        if ["ttf", "otf", "woff", "woff2"].iter().any(|font| ending == *font) {
+            let known = FONTS.iter().find(|(font, _, _)| file == Path::new(font));
+            let licensed = known.is_some_and(|(_, licence, words)| {
+                fs::read_to_string(workspace.root.join(licence)).is_ok_and(|text| text.contains(words))
+            });
+            if !licensed {
+                wrong += &format!("\n  {}: no licence that is known lies beside it", file.display());
+            }
+        }
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(Failure(format!("fonts to look at, see xtask/src/licences.rs:{wrong}"))) }
 }
 
 /// Whether an SPDX expression leaves a choice of allowed licences.

@@ -40,7 +40,7 @@ pub(crate) fn check(workspace: &Workspace) -> Result<(), Failure> {
 }
 
 /// Files under version control, relative to the root: what a clone has.
-fn tracked(workspace: &Workspace) -> Result<BTreeSet<PathBuf>, Failure> {
+pub(crate) fn tracked(workspace: &Workspace) -> Result<BTreeSet<PathBuf>, Failure> {
     let git = program_at("git").argument("-C").argument(&workspace.root).argument("ls-files");
     Ok(git.output()?.lines().map(PathBuf::from).collect())
 }

@@ -7,7 +7,7 @@
 //! * [`json_schema`] for editors, [`starter()`] for newcomers
 //!
 //! ```
-//! let text = tdem_case::starter("my first case");
+//! let text = tdem_case::starter(tdem_case::Starter::Packing, "my first case");
 //! let loaded = tdem_case::parse("case.toml", &text, std::path::Path::new("."), &[])?;
 //! let built = loaded.build()?;
 //! assert_eq!(built.state.len(), 400);
@@ -45,4 +45,4 @@ pub use load::{Loaded, load, parse};
 pub use problem::{Label, Problem, Problems, Severity, Source};
 pub use schedule::Fields;
 pub use schema::{Case, json_schema};
-pub use starter::starter;
+pub use starter::{SCHEMA_FILE, Starter, starter};

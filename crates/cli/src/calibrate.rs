@@ -3,9 +3,11 @@
 use crate::cases;
 use crate::codes;
 use crate::console::{data, say};
+use crate::json::{self, Json};
 use crate::render::{self, Report, Reports};
 use crate::units::{counted, number, short};
 use clap::Args;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,7 +15,7 @@ use tdem_case::schema::{Joint as Entry, Positive};
 use tdem_engine::physics::bond::Joint;
 use tdem_engine::{Device, Plan, Simulation, State, cpu};
 use tdem_studies::calibrate::{Calibration, Error, Targets, calibrate};
-use tdem_studies::uniaxial::{Error as Untested, Specimen};
+use tdem_studies::uniaxial::{Elasticity, Error as Untested, Failure, Specimen};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -42,6 +44,8 @@ pub(crate) struct Arguments {
     /// Change a line of the case, as for `tdem run`
     #[arg(long, value_name = "KEY=VALUE", value_parser = cases::key_value)]
     set: Vec<(String, String)>,
+    #[command(flatten)]
+    pub(crate) json: Json,
 }
 
 const EXAMPLES: &str = "\
@@ -84,6 +88,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let device = Device::from(cpu::Options::default());
     let start = |state: State, plan: Plan| Simulation::new(state, plan, device);
     let found = calibrate(&specimen, &targets, start).map_err(report)?;
+    if arguments.json.json {
+        json::print("calibrate", for_programs(&specimen, &targets, &found, &toml(entry, &found.joint)))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     data(comments(&specimen, &targets, &found) + toml(entry, &found.joint).trim_end())?;
     Ok(ExitCode::SUCCESS)
 }
@@ -126,6 +134,31 @@ fn report(error: Error) -> Reports {
         },
     };
     Report::new(code, message).help(help).into()
+}
+
+/// What came out, for programs.
+fn for_programs(specimen: &Specimen, targets: &Targets, found: &Calibration, bond: &str) -> Value {
+    let elasticity = |of: &Elasticity| json!({ "young_modulus": of.young_modulus, "poisson_ratio": of.poisson_ratio });
+    let failure = |of: &Failure| json!({ "strength": of.strength, "strain": of.strain, "broken_bonds": of.broken });
+    json!({
+        "ok": true,
+        "particles": specimen.state().len(),
+        "bonds": specimen.state().bonds.len(),
+        "length": specimen.length(),
+        "section": specimen.section(),
+        "asked": {
+            "young_modulus": targets.young_modulus,
+            "poisson_ratio": targets.poisson_ratio,
+            "tensile_strength": targets.tensile_strength,
+        },
+        "got": elasticity(&found.elasticity),
+        "mean_field": elasticity(&found.mean_field),
+        "tension": found.tension.as_ref().map(failure),
+        "compression": found.compression.as_ref().map(failure),
+        "static_solutions": found.solutions,
+        "tests_to_failure": found.tests,
+        "bond": bond,
+    })
 }
 
 /// What was asked for and what came out.

@@ -3,12 +3,12 @@
 use crate::memory;
 use crate::render::{Report, Reports};
 use std::path::Path;
-use tdem_case::schema::{Field, Picture};
+use tdem_case::schema::{self, Field, Picture};
 use tdem_case::{Built, Case, Fields, Loaded, Problems};
-use tdem_engine::State;
+use tdem_engine::{Domain, State};
 use tdem_results::curve::{Axis, Curve};
-use tdem_results::picture::{self, Colour, Series, Subject};
-use tdem_results::{Contents, Precision, load_final_state};
+use tdem_results::picture::{self, Background, Colour, ColourMap, Scale, Series, Subject};
+use tdem_results::{Contents, Names, Precision, load_final_state};
 
 /// Reads `KEY=VALUE`.
 pub(crate) fn key_value(text: &str) -> Result<(String, String), String> {
@@ -83,6 +83,7 @@ pub(crate) fn curves(case: &Case) -> Vec<Curve> {
 
 /// What is drawn as the run goes on.
 pub(crate) fn pictures(case: &Case) -> Vec<Series> {
+    let scale = scale(case);
     let series = |picture: Picture| Series {
         options: picture::Options {
             width: picture.size[0],
@@ -90,7 +91,10 @@ pub(crate) fn pictures(case: &Case) -> Vec<Series> {
             direction: picture.direction.unwrap_or(picture.view.unwrap_or_default().direction()),
             subject: if picture.close { Subject::Particles } else { Subject::Domain },
             colour: colour(picture.field),
-            range: picture.range,
+            range: picture.range.map(|range| in_kelvin(case, picture.field, range)),
+            map: picture.colour_map.map(colour_map),
+            background: background(picture.background),
+            scale,
             clip: picture.clip.map(|clip| picture::Clip { point: clip.point, normal: clip.normal }),
             walls: picture.walls,
             bar: picture.bar,
@@ -114,6 +118,52 @@ pub(crate) fn colour(field: Field) -> Colour {
         Field::Damage => Colour::Damage,
         Field::Temperature => Colour::Temperature,
     }
+}
+
+/// Which colours it has.
+pub(crate) fn colour_map(map: schema::ColourMap) -> ColourMap {
+    match map {
+        schema::ColourMap::Viridis => ColourMap::Viridis,
+        schema::ColourMap::Inferno => ColourMap::Inferno,
+        schema::ColourMap::Coolwarm => ColourMap::Coolwarm,
+        schema::ColourMap::Grey => ColourMap::Grey,
+    }
+}
+
+/// What lies behind.
+pub(crate) fn background(background: schema::Background) -> Background {
+    match background {
+        schema::Background::White => Background::White,
+        schema::Background::Dark => Background::Dark,
+        schema::Background::Transparent => Background::Transparent,
+    }
+}
+
+/// The scale of temperatures of a case.
+pub(crate) fn scale(case: &Case) -> Scale {
+    match case.heat.as_ref().map(|heat| heat.scale) {
+        Some(schema::Scale::Celsius) => Scale::Celsius,
+        Some(schema::Scale::Kelvin) | None => Scale::Kelvin,
+    }
+}
+
+/// A range of a field, in SI units: temperatures stand in cases on the scale of the case.
+pub(crate) fn in_kelvin(case: &Case, field: Field, range: [f64; 2]) -> [f64; 2] {
+    match (&case.heat, field) {
+        (Some(heat), Field::Temperature) => range.map(|value| value + heat.scale.zero()),
+        _ => range,
+    }
+}
+
+/// What frames tell beside their numbers.
+pub(crate) fn names(case: &Case) -> Names {
+    Names { title: case.title.clone(), materials: case.material.keys().cloned().collect() }
+}
+
+/// The domain of a case.
+pub(crate) fn domain(case: &Case) -> Domain {
+    let schema::Domain { min, max, periodic } = case.domain;
+    Domain { min, max, periodic }
 }
 
 /// Whether a state belongs to a case: what a run never changes must be what the case says.

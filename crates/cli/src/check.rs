@@ -1,10 +1,12 @@
 //! `tdem check`: what is wrong with a case; if nothing is, what limits its step and what it costs.
 
 use crate::console::data;
+use crate::json::{self, Json};
 use crate::render::{self, Reports};
 use crate::units::{bytes, counted, entry, grouped, number, short};
 use crate::{cases, memory, summary};
 use clap::Args;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,6 +23,8 @@ pub(crate) struct Arguments {
     /// Change a line of the case, as for `tdem run`
     #[arg(long, value_name = "KEY=VALUE", value_parser = cases::key_value)]
     set: Vec<(String, String)>,
+    #[command(flatten)]
+    pub(crate) json: Json,
 }
 
 const EXAMPLES: &str = "\
@@ -33,6 +37,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let built = cases::build(&loaded)?;
     render::warn(&Reports::from(&built.warnings));
     memory::warn(&built.memory);
+    if arguments.json.json {
+        json::print("check", for_programs(&loaded, &built))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let case = &loaded.case;
     let materials: Vec<&str> = case.material.keys().map(String::as_str).collect();
     let mut text = format!("{} can run.\n", loaded.source.name);
@@ -50,6 +58,30 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     text += &limits(&built.limits);
     data(text.trim_end())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The same for programs.
+fn for_programs(loaded: &Loaded, built: &Built) -> Value {
+    let (case, schedule, limits) = (&loaded.case, &built.schedule, &built.limits);
+    let limits_of_step = limits.limits.iter().map(
+        |limit| json!({ "seconds": limit.seconds, "proven": limit.proven, "name": limit.name, "cause": limit.cause }),
+    );
+    json!({
+        "ok": true,
+        "source": loaded.source.name,
+        "title": case.title,
+        "model": format!("{:?}", case.model),
+        "particles": built.state.len(),
+        "bonds": built.state.bonds.len(),
+        "memory_bytes": built.memory.run_bytes,
+        "device_memory_bytes": built.memory.device_bytes,
+        "step_seconds": built.plan.dt,
+        "steps": schedule.steps,
+        "duration_seconds": built.plan.time(schedule.steps),
+        "heat_seconds": built.plan.heat.as_ref().map(|_| built.plan.heat_time(schedule.steps)),
+        "limits": limits_of_step.collect::<Value>(),
+        "warnings": Reports::from(&built.warnings).json(),
+    })
 }
 
 /// What the particles fill and how large they are.

@@ -235,9 +235,9 @@ tdem_case::codes! {
     /// Run the case again; the same case gives the same bits.
     error NO_GOOD_FRAME = "tdem::results::no-good-frame";
 
-    /// The run has no frames.
+    /// The run has no frames, or none of the step that was asked for.
     ///
-    /// A case writes frames unless it says `output.frames = 0`.
+    /// A case writes frames unless it says `output.frames = 0`; `tdem info` lists those that there are.
     error NO_FRAMES = "tdem::results::no-frames";
 
     /// A directory is not that of a run: there is no `case.toml` in it.

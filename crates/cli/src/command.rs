@@ -1,8 +1,8 @@
 //! What stands on the command line, and who answers it.
 
 use crate::{
-    bench, calibrate, check, console, explain, info, kernels, ladder, new, pack, picture, render, report, resume, run,
-    shell, verify,
+    bench, calibrate, check, console, explain, export, info, json, kernels, ladder, new, pack, picture, render, report,
+    resume, run, shell, verify,
 };
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 const FAILED: u8 = 1;
 
 #[derive(Debug, Parser)]
-#[command(name = "tdem", version, about, long_about = LONG_ABOUT, after_help = ending(), max_term_width = 100)]
+#[command(name = "tdem", version = env!("TDEM_VERSION"), about, long_about = LONG_ABOUT, after_help = ending(), max_term_width = 100)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -58,6 +58,8 @@ enum Command {
     New(new::Arguments),
     /// Copy all frames of a run into one self-contained file per block, for sending
     Pack(pack::Arguments),
+    /// Write particles of a run for OVITO, LAMMPS, VTK or a spreadsheet
+    Export(export::Arguments),
     /// Draw the last state of a run as a PNG file
     Picture(picture::Arguments),
     /// Write a page about a run that any browser shows: pictures, histories, curves, warnings
@@ -82,15 +84,35 @@ enum Command {
     Man(shell::Man),
 }
 
+impl Command {
+    /// The name of a command that was asked for JSON.
+    fn for_programs(&self) -> Option<&'static str> {
+        let asked = match self {
+            Command::Run(arguments) => (arguments.work.json, "run"),
+            Command::Resume(arguments) => (arguments.work.json, "resume"),
+            Command::Check(arguments) => (arguments.json, "check"),
+            Command::Info(arguments) => (arguments.json, "info"),
+            Command::Verify(arguments) => (arguments.json, "verify"),
+            Command::Calibrate(arguments) => (arguments.json, "calibrate"),
+            Command::Ladder(arguments) => (arguments.json, "ladder"),
+            _ => return None,
+        };
+        asked.0.json.then_some(asked.1)
+    }
+}
+
 /// Answers the command line.
 pub(crate) fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let command = Cli::parse().command;
+    let for_programs = command.for_programs();
+    let outcome = match command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Resume(arguments) => resume::execute(&arguments),
         Command::Check(arguments) => check::execute(&arguments),
         Command::Info(arguments) => info::execute(&arguments),
         Command::New(arguments) => new::execute(&arguments),
         Command::Pack(arguments) => pack::execute(&arguments),
+        Command::Export(arguments) => export::execute(&arguments),
         Command::Picture(arguments) => picture::execute(&arguments),
         Command::Report(arguments) => report::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
@@ -105,6 +127,8 @@ pub(crate) fn main() -> ExitCode {
     };
     outcome.unwrap_or_else(|reports| {
         console::say(render::text(&reports));
+        // A standard output that takes nothing was told of already.
+        let _ = for_programs.map(|command| json::fail(command, &reports));
         ExitCode::from(FAILED)
     })
 }

@@ -2,10 +2,12 @@
 
 use crate::console::data;
 use crate::device::word;
+use crate::json::{self, Json};
 use crate::machine::instructions;
 use crate::render::Reports;
 use crate::units::{argument, bytes, counted, entry, grouped, short};
 use clap::Args;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
@@ -16,9 +18,15 @@ pub(crate) struct Arguments {
     /// The directory of a run; without it, the devices of this machine are shown
     #[arg(value_name = "DIR")]
     run: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) json: Json,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
+    if arguments.json.json {
+        json::print("info", arguments.run.as_deref().map_or_else(|| Ok(machine_for_programs()), run_for_programs)?)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     match &arguments.run {
         Some(run) => data(of_run(run)?.trim_end())?,
         None => data(of_machine().trim_end())?,
@@ -31,7 +39,7 @@ const INDENT: &str = "\n                 ";
 
 fn of_machine() -> String {
     let cores = available_parallelism().map_or(1, usize::from) as u64;
-    let mut text = format!("tdem {}\n", env!("CARGO_PKG_VERSION"))
+    let mut text = format!("tdem {}\n", env!("TDEM_VERSION"))
         + &entry("cpu", format!("{}, {}: can be used", counted(cores, "core"), instructions()));
     let survey = survey();
     for device in &survey.devices {
@@ -60,6 +68,61 @@ fn of_machine() -> String {
         text += &entry(word(*api), format!("none: {why}"));
     }
     text
+}
+
+/// This machine for programs.
+fn machine_for_programs() -> Value {
+    let survey = survey();
+    let devices = survey.devices.iter().map(|device| {
+        json!({
+            "device": format!("{}:{}", word(device.api), device.index),
+            "name": device.name,
+            "driver": device.driver,
+            "memory_bytes": device.memory,
+            "compute_units": device.compute_units,
+            "double_precision": device.fp64,
+            "processor": device.processor,
+            "usable": device.usable.is_ok(),
+            "why_not": device.usable.as_ref().err(),
+        })
+    });
+    let missing = survey.missing.iter().map(|(api, why)| json!({ "interface": word(*api), "why": why }));
+    json!({
+        "ok": true,
+        "cores": available_parallelism().map_or(1, usize::from),
+        "instructions": instructions(),
+        "devices": devices.collect::<Value>(),
+        "missing": missing.collect::<Value>(),
+    })
+}
+
+/// A run for programs.
+fn run_for_programs(run: &Path) -> Result<Value, Reports> {
+    let info = tdem_results::info(run)?;
+    let frames = info.frames.iter().map(
+        |frame| json!({ "step": frame.step, "time": frame.time, "particles": frame.particles, "file": frame.path.to_string_lossy() }),
+    );
+    let checkpoints = info.checkpoints.iter().map(|checkpoint| {
+        json!({
+            "step": checkpoint.step,
+            "particles": checkpoint.particles.as_ref().ok(),
+            "damage": checkpoint.particles.as_ref().err().map(ToString::to_string),
+            "file": checkpoint.path.to_string_lossy(),
+        })
+    });
+    let case = tdem_case::load(&run.join("case.toml"), &[]).ok().map(|loaded| loaded.case);
+    Ok(json!({
+        "ok": true,
+        "run": run.to_string_lossy(),
+        "title": case.as_ref().map(|case| case.title.clone()),
+        "model": case.as_ref().map(|case| format!("{:?}", case.model)),
+        "frames": frames.collect::<Value>(),
+        "unreadable_frames": info.unreadable_frames.iter().map(ToString::to_string).collect::<Value>(),
+        "blocks": info.blocks,
+        "history_rows": info.history_rows,
+        "checkpoints": checkpoints.collect::<Value>(),
+        "bytes": info.bytes,
+    }))
 }
 
 fn of_run(run: &Path) -> Result<String, Reports> {

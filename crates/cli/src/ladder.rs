@@ -2,6 +2,7 @@
 
 use crate::codes;
 use crate::console::{data, say};
+use crate::json::{self, Json};
 use crate::machine::Machine;
 use crate::progress::Meter;
 use crate::render::{self, Report, Reports};
@@ -49,6 +50,8 @@ pub(crate) struct Arguments {
     /// Print the results, and say nothing else but warnings and errors
     #[arg(long, short)]
     quiet: bool,
+    #[command(flatten)]
+    pub(crate) json: Json,
     #[command(flatten)]
     machine: Machine,
 }
@@ -122,7 +125,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     });
     meter.finish();
     let ladder = climbed.map_err(halted)?;
-    if !ladder.rungs.is_empty() {
+    if arguments.json.json && ladder.failure.is_none() {
+        json::print("ladder", ladder_table::for_programs(&ladder, arguments.rungs as usize))?;
+    } else if !arguments.json.json && !ladder.rungs.is_empty() {
         data(ladder_table::text(&ladder))?;
     }
     // Where nothing is compared, nothing is worth a file.

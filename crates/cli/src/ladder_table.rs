@@ -1,9 +1,11 @@
 //! A ladder as a table, as a file of numbers, and in words.
 
+use crate::json;
 use crate::units::{clock, grouped, number, short};
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::time::Duration;
-use tdem_studies::ladder::{Difference, Halved, Ladder, Outcome, Pair};
+use tdem_studies::ladder::{Difference, Halved, Ladder, Outcome, Pair, Spread};
 
 /// Columns of a pair. "and" is the finer of its two rungs.
 const COLUMNS: [&str; 13] = [
@@ -43,6 +45,48 @@ pub(crate) fn text(ladder: &Ladder) -> String {
         let _ = writeln!(text, "{}\n{}", heading(ladder, index), aligned(&COLUMNS, &rows(ladder, index)));
     }
     text + verdicts(ladder).join("\n").trim_end()
+}
+
+/// For programs.
+pub(crate) fn for_programs(ladder: &Ladder, asked: usize) -> Value {
+    let spread = |of: &Spread| json!({ "root_mean_square": of.rms, "largest": of.largest });
+    let difference = |of: &Difference| {
+        json!({
+            "heat_time": of.heat_time,
+            "temperature": spread(&of.temperature),
+            "stress": spread(&of.stress),
+            "stress_size": of.stress_size,
+            "broken_bonds": of.broken,
+            "broken_in_one": of.broken_in_one,
+            "kinetic_over_elastic": of.kinetic_over_elastic,
+        })
+    };
+    let rung = |of: &Outcome| {
+        json!({
+            "label": of.label,
+            "time_scale": of.time_scale,
+            "step_seconds": of.step_seconds,
+            "heat_step_seconds": of.heat_step_seconds,
+            "complete": of.complete,
+            "heat_time": of.heat_time,
+            "steps": of.steps,
+            "wall_clock_secs": of.clock_secs,
+            "bonds": of.bonds,
+            "broken_bonds": of.broken_bonds,
+            "hash": of.hash.map(json::hash),
+        })
+    };
+    let pair = |of: &Pair| of.differences.iter().map(difference).collect::<Value>();
+    json!({
+        "ok": ladder.complete() == asked,
+        "halved": match ladder.halved {
+            Halved::TimeScale => "time scale",
+            Halved::HeatStep => "heat step",
+        },
+        "rungs": ladder.rungs.iter().map(rung).collect::<Value>(),
+        "pairs": ladder.pairs.iter().map(pair).collect::<Value>(),
+        "verdicts": verdicts(ladder),
+    })
 }
 
 /// A document in Markdown.

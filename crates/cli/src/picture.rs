@@ -6,13 +6,14 @@ use crate::console::{data, say};
 use crate::files::{self, refused};
 use crate::render::{Report, Reports};
 use crate::units::{argument, grouped, number, short};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use tdem_case::schema::View;
+use tdem_case::schema::{Background, ColourMap, Field, View};
 use tdem_engine::{Plan, State};
-use tdem_results::picture::{self, Clip, Colour, Options, Subject, render};
+use tdem_results::picture::{self, Clip, Options, Scale, Subject, render};
 use tdem_results::{Error, FinalState, checkpoint, info};
 
 #[derive(Args, Debug)]
@@ -25,9 +26,15 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     time: Option<f64>,
     /// What colours mean
-    #[arg(long, value_enum, default_value_t = Field::Velocity)]
+    #[arg(long, default_value = "velocity", value_parser = one_of(Field::ALL))]
     field: Field,
-    /// Values at the two ends of the colours [default: the smallest and the largest]
+    /// Which colours [default: coolwarm for stresses, inferno for temperatures, viridis for others]
+    #[arg(long, value_name = "MAP", alias = "color-map", value_parser = one_of(ColourMap::ALL))]
+    colour_map: Option<ColourMap>,
+    /// What lies behind
+    #[arg(long, default_value = "white", value_parser = one_of(Background::ALL))]
+    background: Background,
+    /// Values at the two ends of the colours, temperatures on the scale of the case [default: the smallest and the largest]
     #[arg(long, num_args = 2, value_names = ["LOW", "HIGH"], allow_negative_numbers = true)]
     range: Option<Vec<f64>>,
     /// From where: corner, front, back, left, right, top, bottom, or a direction X,Y,Z
@@ -58,42 +65,15 @@ Examples:
 
 A case draws such pictures while it runs: see `picture` in docs/case-file.md.";
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Field {
-    /// Speed, m/s
-    Velocity,
-    /// Size of the angular velocity, rad/s
-    AngularVelocity,
-    /// Third coordinate, m
-    Height,
-    /// Radius, m
-    Radius,
-    /// Size of the resultant force, N
-    Force,
-    /// Number of the material
-    Material,
-    /// Mean of the three normal stresses from contacts and bonds, Pa, tension positive
-    Stress,
-    /// Share of the bonds that broke
-    Damage,
-    /// Temperature, K; grey without heat
-    Temperature,
-}
-
-impl Field {
-    fn colour(self) -> Colour {
-        match self {
-            Field::Velocity => Colour::Speed,
-            Field::AngularVelocity => Colour::Spin,
-            Field::Height => Colour::Height,
-            Field::Radius => Colour::Radius,
-            Field::Force => Colour::Force,
-            Field::Material => Colour::Material,
-            Field::Stress => Colour::Stress,
-            Field::Damage => Colour::Damage,
-            Field::Temperature => Colour::Temperature,
-        }
-    }
+/// One of some words.
+pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &'static [(T, &'static str, &'static str)],
+) -> impl TypedValueParser<Value = T> {
+    let words = all.iter().map(|(_, word, about)| PossibleValue::new(*word).help(about.trim().trim_end_matches('.')));
+    PossibleValuesParser::new(words).try_map(|chosen: String| {
+        let found = all.iter().find(|(_, word, _)| *word == chosen);
+        found.map(|(value, _, _)| *value).ok_or("there is no such word")
+    })
 }
 
 type Direction = [f64; 3];
@@ -146,13 +126,16 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if !run.join("case.toml").exists() {
         return Err(Error::NotARun { path: run.clone() }.into());
     }
-    let built = cases::build(&cases::load(&run.join("case.toml"), &[])?)?;
+    let loaded = cases::load(&run.join("case.toml"), &[])?;
+    let built = cases::build(&loaded)?;
     let state = choose(arguments, &built.plan)?;
-    let colour = arguments.field.colour();
+    let colour = cases::colour(arguments.field);
+    let map = arguments.colour_map.map_or(colour.map(), cases::colour_map);
     let range = match arguments.range.as_deref() {
-        Some(&[low, high]) => [low, high],
-        _ => colour.range_of(&colour.values(&state, &built.plan)),
+        Some(&[low, high]) => cases::in_kelvin(&loaded.case, arguments.field, [low, high]),
+        _ => colour.range(colour.extent(&colour.values(&state, &built.plan)), map),
     };
+    let scale = cases::scale(&loaded.case);
     let (width, height) = arguments.size;
     let options = Options {
         width,
@@ -161,6 +144,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         subject: if arguments.close { Subject::Particles } else { Subject::Domain },
         colour,
         range: Some(range),
+        map: Some(map),
+        background: cases::background(arguments.background),
+        scale,
         clip: arguments.clip,
         bar: !arguments.no_bar,
         ..Options::default()
@@ -175,13 +161,18 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         }
     }
     files::write(&path, &picture)?;
+    let (unit, zero) = match (arguments.field, scale) {
+        (Field::Temperature, Scale::Celsius) => ("°C", tdem_case::schema::Scale::Celsius.zero()),
+        _ => (colour.unit(), 0.0),
+    };
+    let end = |value: f64| format!("{} {unit}", number(value - zero, 3)).trim_end().to_owned();
     say(format!(
-        "Step {}, t = {} s; {name} from {} {unit} (dark) to {} {unit} (bright)",
+        "Step {}, t = {} s; {name} from {} to {}, {} colours",
         grouped(state.step),
         short(built.plan.time(state.step)),
-        number(range[0], 3),
-        number(range[1], 3),
-        unit = colour.unit()
+        end(range[0]),
+        end(range[1]),
+        map.name()
     ));
     data(argument(&path))?;
     Ok(ExitCode::SUCCESS)

@@ -200,6 +200,22 @@ fn drawn(reports: &Reports, watched: bool, colours: bool) -> String {
     text.trim_end().to_owned()
 }
 
+impl Reports {
+    /// For programs.
+    pub(crate) fn json(&self) -> serde_json::Value {
+        let told = |report: &Report| {
+            let severity = if report.severity == Severity::Error { "error" } else { "warning" };
+            serde_json::json!({
+                "code": report.code,
+                "severity": severity,
+                "message": report.message,
+                "help": report.help,
+            })
+        };
+        self.0.iter().map(told).collect()
+    }
+}
+
 /// Tells warnings, if there are any.
 pub(crate) fn warn(reports: &Reports) {
     if !reports.0.is_empty() {

@@ -3,6 +3,7 @@
 use crate::cases;
 use crate::codes;
 use crate::console::say;
+use crate::json;
 use crate::pack;
 use crate::render::{self, Report, Reports};
 use crate::signals::Signals;
@@ -21,7 +22,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "DIR")]
     run: PathBuf,
     #[command(flatten)]
-    work: work::Arguments,
+    pub(crate) work: work::Arguments,
 }
 
 const EXAMPLES: &str = "\
@@ -75,7 +76,18 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
                     short(built.plan.time(state.step))
                 ));
             }
-            if arguments.work.hash {
+            if arguments.work.json.json {
+                let told = serde_json::json!({
+                    "ok": true,
+                    "run": run.to_string_lossy(),
+                    "outcome": "finished",
+                    "step": state.step,
+                    "time": built.plan.time(state.step),
+                    "particles": state.len(),
+                    "hash": arguments.work.hash.then(|| json::hash(state.hash())),
+                });
+                json::print("resume", told)?;
+            } else if arguments.work.hash {
                 print_hash(&state)?;
             }
             return Ok(ExitCode::SUCCESS);
@@ -109,6 +121,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         device: machine,
         warnings: &built.warnings,
         arguments: &arguments.work,
+        command: "resume",
         signals,
     };
     work.run(simulation)

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE", value_parser = cases::key_value)]
     set: Vec<(String, String)>,
     #[command(flatten)]
-    work: work::Arguments,
+    pub(crate) work: work::Arguments,
 }
 
 const EXAMPLES: &str = "\
@@ -70,6 +70,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
         device: machine,
         warnings: &built.warnings,
         arguments: &arguments.work,
+        command: "run",
         signals,
     };
     work.run(simulation)

@@ -3,15 +3,17 @@
 use crate::codes;
 use crate::console::{data, say};
 use crate::device::{Choice, word};
+use crate::json::{self, Json};
 use crate::render::{Report, Reports};
 use crate::units::clock;
 use clap::Args;
+use serde_json::{Value, json};
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::time::Duration;
 use tdem_engine::gpu::devices;
 use tdem_engine::{Device, cpu};
-use tdem_studies::verify::{Backend, Case, Outcome, Tier, catalogue, markdown, run, table};
+use tdem_studies::verify::{Backend, Case, Check, Outcome, Tier, Tolerance, catalogue, markdown, run, table};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -33,6 +35,8 @@ pub(crate) struct Arguments {
     /// Print the names of the cases and what they look at, and run none
     #[arg(long)]
     list: bool,
+    #[command(flatten)]
+    pub(crate) json: Json,
 }
 
 const EXAMPLES: &str = "\
@@ -85,10 +89,14 @@ impl Asked {
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let cases = chosen(arguments)?;
+    if arguments.list && arguments.json.json {
+        let cases = cases.iter().map(|case| json!({ "name": case.name, "tier": tier(case), "about": case.about }));
+        json::print("verify", json!({ "ok": true, "cases": cases.collect::<Value>() }))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     if arguments.list {
         for case in &cases {
-            let tier = if case.tier == Tier::Quick { "quick" } else { "full" };
-            data(format!("{:<44} {tier:<6} {}", case.name, case.about))?;
+            data(format!("{:<44} {:<6} {}", case.name, tier(case), case.about))?;
         }
         return Ok(ExitCode::SUCCESS);
     }
@@ -111,10 +119,54 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
             agree = false;
         }
     }
+    let good = agree && outcomes.iter().all(Outcome::passed);
+    let code = if good { ExitCode::SUCCESS } else { ExitCode::FAILURE };
+    if arguments.json.json {
+        json::print("verify", for_programs(&outcomes, good, agree))?;
+        return Ok(code);
+    }
     let shown = if arguments.markdown { markdown(&outcomes) } else { table(&outcomes) };
     data(shown.trim_end())?;
-    let good = agree && outcomes.iter().all(Outcome::passed);
-    Ok(if good { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(code)
+}
+
+fn tier(case: &Case) -> &'static str {
+    if case.tier == Tier::Quick { "quick" } else { "full" }
+}
+
+/// Outcomes for programs.
+fn for_programs(outcomes: &[Outcome], good: bool, agree: bool) -> Value {
+    let check = |check: &Check| {
+        let (tolerance, kind) = match check.tolerance {
+            Tolerance::Absolute(size) => (Some(size), "absolute"),
+            Tolerance::Relative(size) => (Some(size), "relative"),
+            Tolerance::AtMost => (None, "at most"),
+            Tolerance::AtLeast => (None, "at least"),
+        };
+        json!({
+            "what": check.what,
+            "unit": check.unit,
+            "expected": check.expected,
+            "got": check.got,
+            "tolerance": tolerance,
+            "tolerance_kind": kind,
+            "kind": check.kind.name(),
+            "passed": check.passed,
+        })
+    };
+    let outcome = |outcome: &Outcome| {
+        json!({
+            "name": outcome.case.name,
+            "tier": tier(&outcome.case),
+            "backend": outcome.backend.name(),
+            "passed": outcome.passed(),
+            "checks": outcome.checks.iter().map(check).collect::<Value>(),
+            "fault": outcome.fault.as_ref().map(ToString::to_string),
+            "hash": outcome.hash.map(json::hash),
+            "wall_clock_secs": outcome.seconds,
+        })
+    };
+    json!({ "ok": good, "back_ends_agree": agree, "cases": outcomes.iter().map(outcome).collect::<Value>() })
 }
 
 /// Names the devices that cannot be used: what is not tested must not look as if it had passed.

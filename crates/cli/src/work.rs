@@ -3,6 +3,7 @@
 use crate::cases;
 use crate::codes;
 use crate::console::{data, say};
+use crate::json::{self, Json};
 use crate::machine::Machine;
 use crate::progress::Watch;
 use crate::render::{self, Report, Reports};
@@ -11,13 +12,14 @@ use crate::signals::{self, Signals};
 use crate::summary;
 use crate::units::{argument, bytes, counted, grouped, number, short};
 use clap::Args;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tdem_case::{Code, Fields, Loaded, Problems};
 use tdem_engine::{Fault, Schedule, Simulation, State, Turns, gpu};
 use tdem_results::curve::{self, Curve};
-use tdem_results::{Error, Event, Outcome, RunDirectory, RunError, load_final_state, session};
+use tdem_results::{Error, Event, Outcome, Progress, RunDirectory, RunError, load_final_state, session};
 
 #[derive(Args, Debug)]
 #[group(skip)]
@@ -31,6 +33,8 @@ pub(crate) struct Arguments {
     /// Say nothing but warnings and errors
     #[arg(long, short)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) json: Json,
     #[command(flatten)]
     pub(crate) machine: Machine,
 }
@@ -55,6 +59,8 @@ pub(crate) struct Work<'a> {
     /// What the case was warned of.
     pub(crate) warnings: &'a Problems,
     pub(crate) arguments: &'a Arguments,
+    /// The command, for programs.
+    pub(crate) command: &'static str,
     pub(crate) signals: Signals,
 }
 
@@ -67,6 +73,7 @@ impl Work<'_> {
         let schedule = self.arguments.schedule(self.of_case);
         self.signals.defer();
         self.directory.set_contents(cases::contents(self.fields));
+        self.directory.set_names(cases::names(&self.loaded.case));
         self.directory.set_pictures(cases::pictures(&self.loaded.case));
         self.introduce()?;
         let mut watch = Watch::new(&self.signals, self.arguments.quiet);
@@ -113,7 +120,15 @@ impl Work<'_> {
                         ));
                     }
                 }
-                if let Some(state) = &hashed {
+                if self.arguments.json.json {
+                    let ended = Ended { outcome: "finished", step, first, particles, took, dt };
+                    let hash = hashed.as_ref().map(|state| json::hash(state.hash()));
+                    let case_ends = self.of_case.steps;
+                    json::print(
+                        self.command,
+                        for_programs(&path, &ended, case_ends, last.as_ref(), self.warnings, hash),
+                    )?;
+                } else if let Some(state) = &hashed {
                     print_hash(state)?;
                 }
                 Ok(ExitCode::SUCCESS)
@@ -129,16 +144,64 @@ impl Work<'_> {
                     short(step as f64 * dt),
                     argument(&path)
                 ));
+                if self.arguments.json.json {
+                    let ended = Ended { outcome: "interrupted", step, first, particles, took, dt };
+                    let case_ends = self.of_case.steps;
+                    json::print(
+                        self.command,
+                        for_programs(&path, &ended, case_ends, last.as_ref(), self.warnings, None),
+                    )?;
+                }
                 Ok(ExitCode::from(128 + signal))
             }
         }
     }
 }
 
+/// How a run ended, for programs.
+struct Ended {
+    outcome: &'static str,
+    step: u64,
+    /// The step at which this process took it up.
+    first: u64,
+    particles: usize,
+    took: Duration,
+    dt: f64,
+}
+
+fn for_programs(
+    run: &Path,
+    ended: &Ended,
+    case_ends: u64,
+    last: Option<&Progress>,
+    warnings: &Problems,
+    hash: Option<Value>,
+) -> Value {
+    let steps = ended.step.saturating_sub(ended.first);
+    let secs = ended.took.as_secs_f64();
+    json!({
+        "ok": ended.outcome == "finished",
+        "run": run.to_string_lossy(),
+        "outcome": ended.outcome,
+        "step": ended.step,
+        "steps_of_case": case_ends,
+        "time": last.map_or(ended.step as f64 * ended.dt, |last| last.time),
+        "step_seconds": ended.dt,
+        "particles": ended.particles,
+        "steps_done": steps,
+        "wall_clock_secs": json::seconds(ended.took),
+        "particle_steps_per_second": ended.particles as f64 * steps as f64 / secs.max(1e-9),
+        "ledger": last.map(|last| json::ledger(&last.ledger)),
+        "ledger_step": last.map(|last| last.ledger_step),
+        "hash": hash,
+        "warnings": Reports::from(warnings).json(),
+    })
+}
+
 impl Work<'_> {
     /// Tells the log what computes, and what the case was warned of.
     fn introduce(&self) -> Result<(), Reports> {
-        let machine = format!("tdem {} on {}", env!("CARGO_PKG_VERSION"), self.device);
+        let machine = format!("tdem {} on {}", env!("TDEM_VERSION"), self.device);
         self.directory.log(&Event::Machine(machine))?;
         for warning in &self.warnings.problems {
             self.directory.log(&Event::Warning(warning.message.clone()))?;
@@ -339,6 +402,7 @@ impl From<Error> for Reports {
                 (codes::NO_CHECKPOINT, Some("`tdem info` on the run tells what is wrong with each checkpoint"))
             }
             Error::NoFrames { .. } => (codes::NO_FRAMES, Some("a case writes frames unless it says output.frames = 0")),
+            Error::NoFrameOfStep { .. } => (codes::NO_FRAMES, Some("`tdem info` lists the frames that there are")),
             Error::HistoryColumns { .. } => (codes::HISTORY_COLUMNS, None),
             Error::PictureSize { .. } | Error::PictureMemory { .. } => (codes::PICTURE_SIZE, None),
             Error::Picture { .. } => (codes::PICTURE, None),

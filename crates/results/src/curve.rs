@@ -1,12 +1,13 @@
 //! A curve of two columns of the history, as a picture in the folder of the run.
 
+use crate::axis::{Ticks, extent, prefix};
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;
 use crate::glossary::unit_of_column;
 use crate::run_directory::HISTORY;
-use plotters::prelude::*;
+use crate::words::escape;
+use std::fmt::Write;
 use std::fs;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What a curve shows.
@@ -39,8 +40,6 @@ pub struct Axis {
 pub(crate) const PREFIX: &str = "curve-";
 pub(crate) const ENDING: &str = "svg";
 
-const SIZE: (u32, u32) = (960, 640);
-const FONT: &str = "sans-serif";
 /// A curve of more points is thinned out; what is left are the extremes.
 const MOST_POINTS: usize = 6000;
 
@@ -122,12 +121,6 @@ fn scaled(axis: &Axis, column: Vec<f64>) -> (Vec<f64>, String) {
     }
 }
 
-/// The prefix of a unit that leaves the fewest zeros, and its size.
-pub(crate) fn prefix(largest: f64) -> (&'static str, f64) {
-    let prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("\u{b5}", 1e-6), ("n", 1e-9)];
-    prefixes.into_iter().find(|(_, size)| largest >= *size).unwrap_or(("", 1.0))
-}
-
 /// The same curve with fewer points: of each stretch the first point, the lowest and the highest.
 pub(crate) fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
     if points.len() <= most {
@@ -147,99 +140,110 @@ pub(crate) fn thinned(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
     points.chunks(stretch).flat_map(of_stretch).chain(last).collect()
 }
 
-/// From the lowest to the highest value and a little more.
-pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    let width = high - low;
-    let margin = if width > 0.0 { 0.04 * width } else { 0.5 * high.abs().max(1.0) };
-    low - margin..high + margin
-}
+/// Pixels of the picture, and of what surrounds the axes.
+const SIZE: [f64; 2] = [960.0, 640.0];
+const LEFT: f64 = 112.0;
+const RIGHT: f64 = 36.0;
+const TOP: f64 = 18.0;
+const BOTTOM: f64 = 78.0;
+const LINE: &str = "#1f4e8c";
+const OTHERS: [&str; 3] = ["#c0501e", "#4c8a3a", "#7a4f9c"];
+const MINUS: char = '\u{2212}';
 
-/// A number at a grid line: as many digits as tell it from the next. What is far less than the length of the axis is 0 that
-/// was not met.
-pub(crate) fn label(value: f64, length: f64) -> String {
-    let value = if value.abs() < 1e-9 * length { 0.0 } else { value };
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".to_owned(),
-        1e-3..1e6 => format!("{rounded}"),
-        _ => format!("{rounded:e}"),
-    }
-}
-
-/// The picture, or why there is none.
+/// The picture, or why there is none. Places are given to a hundredth of a pixel, so that lines have no stairs.
 fn svg(points: &[(f64, f64)], against: &[(String, Vec<[f64; 2]>)], titles: [&str; 2]) -> Result<String, String> {
     if points.is_empty() {
         return Err("no row of the history has a number for both axes".to_owned());
     }
-    let mut text = String::new();
-    {
-        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-        let others = || against.iter().flat_map(|(_, points)| points).map(|&[x, y]| (x, y));
-        let all = || points.iter().copied().chain(others());
-        let extents = [extent(all().map(|point| point.0)), extent(all().map(|point| point.1))];
-        paint(&area, points, against, extents, titles).map_err(|error| error.to_string())?;
+    let all = || points.iter().copied().chain(against.iter().flat_map(|(_, points)| points).map(|&[x, y]| (x, y)));
+    let [x, y] = [extent(all().map(|point| point.0)), extent(all().map(|point| point.1))];
+    let (right, bottom) = (SIZE[0] - RIGHT, SIZE[1] - BOTTOM);
+    let across = |value: f64| LEFT + (value - x.start) / (x.end - x.start) * (right - LEFT);
+    let down = |value: f64| bottom - (value - y.start) / (y.end - y.start) * (bottom - TOP);
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" \
+         font-family=\"sans-serif\" font-size=\"17\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n",
+        SIZE[0], SIZE[1]
+    );
+    axes(&mut text, [Ticks::between(x.start, x.end, 9), Ticks::between(y.start, y.end, 9)], titles, (&across, &down));
+
+    let line = |text: &mut String, points: &mut dyn Iterator<Item = (f64, f64)>, style: &str| {
+        let points: Vec<String> = points.map(|(x, y)| format!("{:.2},{:.2}", across(x), down(y))).collect();
+        let _ = writeln!(
+            text,
+            "<polyline fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\" {style} points=\"{}\"/>",
+            points.join(" ")
+        );
+    };
+    let mut keys = vec![("computed", format!("stroke=\"{LINE}\""))];
+    line(&mut text, &mut points.iter().copied(), &keys[0].1);
+    for ((name, points), colour) in against.iter().zip(OTHERS.into_iter().cycle()) {
+        let style = format!("stroke=\"{colour}\" stroke-dasharray=\"8 5\"");
+        line(&mut text, &mut points.iter().map(|&[x, y]| (x, y)), &style);
+        keys.push((name, style));
     }
-    Ok(text)
+    if keys.len() > 1 {
+        key(&mut text, &keys);
+    }
+    Ok(text + "</svg>\n")
 }
 
-type Painted<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+/// Grid, ticks with labels, and titles.
+fn axes(
+    text: &mut String,
+    [x, y]: [Ticks; 2],
+    titles: [&str; 2],
+    (across, down): (&dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64),
+) {
+    let (right, bottom) = (SIZE[0] - RIGHT, SIZE[1] - BOTTOM);
+    let said = |ticks: &Ticks, value: f64| ticks.label(value).replace('-', &MINUS.to_string());
+    let mut grid = String::new();
+    let mut labels = String::new();
+    for &value in &x.values {
+        let at = across(value);
+        let _ = write!(grid, "M{at:.2} {TOP}V{bottom}");
+        let label = said(&x, value);
+        let _ = writeln!(labels, "<text x=\"{at:.2}\" y=\"{}\" text-anchor=\"middle\">{label}</text>", bottom + 24.0);
+    }
+    for &value in &y.values {
+        let at = down(value);
+        let _ = write!(grid, "M{LEFT} {at:.2}H{right}");
+        let label = said(&y, value);
+        let (left, at) = (LEFT - 9.0, at + 6.0);
+        let _ = writeln!(labels, "<text x=\"{left}\" y=\"{at:.2}\" text-anchor=\"end\">{label}</text>");
+    }
+    let _ = writeln!(text, "<path fill=\"none\" stroke=\"#ddd\" d=\"{grid}\"/>");
+    let _ = writeln!(text, "<path fill=\"none\" stroke=\"#000\" d=\"M{LEFT} {TOP}V{bottom}H{right}\"/>\n{labels}");
+    let [x_title, y_title] = titles.map(escape);
+    let _ = writeln!(
+        text,
+        "<text x=\"{}\" y=\"{}\" font-size=\"19\" text-anchor=\"middle\">{x_title}</text>",
+        0.5 * (LEFT + right),
+        SIZE[1] - 18.0
+    );
+    let _ = writeln!(
+        text,
+        "<text transform=\"translate(26 {}) rotate(-90)\" font-size=\"19\" text-anchor=\"middle\">{y_title}</text>",
+        0.5 * (TOP + bottom)
+    );
+}
 
-/// Grid, axes with titles, and the lines; a key if there are several.
-fn paint<B: DrawingBackend>(
-    area: &DrawingArea<B, plotters::coord::Shift>,
-    points: &[(f64, f64)],
-    against: &[(String, Vec<[f64; 2]>)],
-    [x, y]: [Range<f64>; 2],
-    [x_title, y_title]: [&str; 2],
-) -> Painted<B> {
-    const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
-    const LINE: RGBColor = RGBColor(0x1f, 0x4e, 0x8c);
-    const OTHERS: [RGBColor; 3] = [RGBColor(0xc0, 0x50, 0x1e), RGBColor(0x4c, 0x8a, 0x3a), RGBColor(0x7a, 0x4f, 0x9c)];
-    area.fill(&WHITE)?;
-    let [length, height] = [&x, &y].map(|axis| axis.end - axis.start);
-    let mut chart = ChartBuilder::on(area)
-        .margin(18)
-        .margin_right(36)
-        .x_label_area_size(60)
-        .y_label_area_size(96)
-        .build_cartesian_2d(x, y)?;
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(GRID)
-        .axis_style(BLACK)
-        .x_labels(9)
-        .y_labels(9)
-        .x_label_formatter(&|value| label(*value, length))
-        .y_label_formatter(&|value| label(*value, height))
-        .label_style((FONT, 17))
-        .axis_desc_style((FONT, 19))
-        .x_desc(x_title)
-        .y_desc(y_title)
-        .draw()?;
-    let shown =
-        |colour: RGBColor| move |(x, y): (i32, i32)| PathElement::new([(x, y), (x + 24, y)], colour.stroke_width(2));
-    let line = chart.draw_series(LineSeries::new(points.iter().copied(), LINE.stroke_width(2)))?;
-    if against.is_empty() {
-        return area.present();
+/// What each line is.
+fn key(text: &mut String, keys: &[(&str, String)]) {
+    const ROW: f64 = 24.0;
+    let (left, top) = (LEFT + 14.0, TOP + 14.0);
+    let longest = keys.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let (width, height) = (64.0 + 9.5 * longest as f64, 14.0 + ROW * keys.len() as f64);
+    let _ = writeln!(
+        text,
+        "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"#fff\" stroke=\"#ddd\"/>"
+    );
+    for (place, (name, style)) in keys.iter().enumerate() {
+        let y = top + 20.0 + ROW * place as f64;
+        let (from, to, words) = (left + 12.0, left + 40.0, left + 50.0);
+        let _ = writeln!(text, "<path d=\"M{from} {y}H{to}\" stroke-width=\"2\" {style}/>");
+        let _ = writeln!(text, "<text x=\"{words}\" y=\"{}\">{}</text>", y + 6.0, escape(name));
     }
-    line.label("computed").legend(shown(LINE));
-    for ((name, points), colour) in against.iter().zip(OTHERS.into_iter().cycle()) {
-        let points = points.iter().map(|&[x, y]| (x, y));
-        let dashes = DashedLineSeries::new(points, 8, 5, colour.stroke_width(2));
-        chart.draw_series(dashes)?.label(name).legend(shown(colour));
-    }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .margin(14)
-        .legend_area_size(32)
-        .background_style(WHITE)
-        .border_style(GRID)
-        .label_font((FONT, 17))
-        .draw()?;
-    area.present()
 }
 
 #[cfg(test)]
@@ -296,10 +300,14 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_short() {
-        let shown = [0.0, 0.300_000_000_000_000_04, -1250.0, 2.5e-7, 3e9].map(|value| label(value, 1.0));
-        assert_eq!(shown, ["0", "0.3", "-1250", "2.5e-7", "3e9"]);
-        assert_eq!([6.8e-21, -5e-5].map(|value| label(value, 2e-4)), ["0", "-5e-5"]);
-        assert_eq!([3e4, 0.5, 2e-5, 0.0].map(|largest| prefix(largest).0), ["k", "m", "\u{b5}", ""]);
+    fn a_shallow_curve_has_no_stairs() {
+        // Over a hundred points it rises by a pixel; whole pixels would leave one step.
+        let points: Vec<(f64, f64)> =
+            (0..=1000).map(|k| (f64::from(k), if k == 1000 { 600.0 } else { 0.01 * f64::from(k) })).collect();
+        let text = svg(&points, &[], ["a", "b"]).unwrap();
+        let line = text.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
+        let heights: Vec<f64> =
+            line.split(' ').take(900).map(|point| point.split_once(',').unwrap().1.parse().unwrap()).collect();
+        assert!(heights.chunks(4).all(|stretch| stretch[0] > stretch[stretch.len() - 1]), "it rises all the way");
     }
 }

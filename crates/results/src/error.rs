@@ -78,6 +78,16 @@ pub enum Error {
         /// The list.
         path: PathBuf,
     },
+    /// A run has no frame of a step.
+    #[error("there is no frame of step {step}, the nearest is of step {nearest}: {}", path.display())]
+    NoFrameOfStep {
+        /// The step.
+        step: u64,
+        /// A step that has a frame.
+        nearest: u64,
+        /// The run.
+        path: PathBuf,
+    },
     /// There is no run.
     #[error("no run is there: `case.toml` is missing: {}", path.display())]
     NotARun {

@@ -148,7 +148,7 @@ pub fn newest_step(run: &Path) -> Result<Option<u64>, Error> {
     Ok(checkpoint::list(&run.join(CHECKPOINTS))?.last().and_then(|path| checkpoint::step_of(path)))
 }
 
-fn require_run(run: &Path) -> Result<(), Error> {
+pub(crate) fn require_run(run: &Path) -> Result<(), Error> {
     if run.join(CASE).exists() { Ok(()) } else { Err(Error::NotARun { path: run.into() }) }
 }
 

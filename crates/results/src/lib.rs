@@ -6,6 +6,7 @@
 //! * [`columns`] named reals in a file of their own, as exact
 //! * [`glossary`] names, units and meanings of everything that is written
 //! * [`pack`] one self-contained file per block
+//! * [`export`] particles of frames in formats of other programs
 //! * [`info`] what a folder holds, and the state to begin another run from
 //! * [`curve`] two columns of the history against each other
 //! * [`picture`] spheres as pixels, without a GPU; series of them are drawn while a run goes on
@@ -13,11 +14,13 @@
 //! * [`Event`] what happens to a run, as its log tells it
 //! * [`mean_stress`] of particles, [`Pace`] and [`Rate`] of a run: for whoever watches a simulation without a folder
 
+mod axis;
 mod blocks;
 pub mod checkpoint;
 pub mod columns;
 pub mod curve;
 mod error;
+pub mod export;
 mod files;
 mod frame_list;
 pub mod glossary;
@@ -48,4 +51,4 @@ pub use pack::{Packed, pack};
 pub use run_directory::{Resumed, RunDirectory};
 pub use session::{Control, Note, Observer, Outcome, Progress, RunError};
 pub use tensors::Damage;
-pub use vtkhdf::FormatError;
+pub use vtkhdf::{FormatError, Names};

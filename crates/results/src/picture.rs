@@ -1,4 +1,4 @@
-//! A quick look at a state: shaded spheres as pixels, drawn by the CPU, without a GPU and without fonts.
+//! A quick look at a state: shaded spheres as pixels, drawn by the CPU, without a GPU and without fonts of the system.
 //!
 //! A million spheres take a second or two.
 
@@ -6,14 +6,18 @@ mod bar;
 mod camera;
 mod colour;
 mod memory;
+mod palette;
 mod raster;
 mod series;
+mod shaded;
 mod sheet;
 mod text;
 
-pub use colour::{Colour, Shade};
+pub use colour::Colour;
+pub use palette::{Background, ColourMap};
 pub use series::{Series, file_of};
-pub(crate) use series::{Stored, keep, list};
+pub(crate) use series::{Stored, keep, list, unify};
+pub(crate) use shaded::without_values;
 
 use crate::blocks::Scene;
 use crate::error::Error;
@@ -21,7 +25,9 @@ use bar::Bar;
 use camera::Camera;
 use raster::{Canvas, Disc};
 use rayon::prelude::*;
+use shaded::Shaded;
 use sheet::Sheet;
+use std::io::Cursor;
 use tdem_engine::{Plan, State};
 
 /// What a picture looks like.
@@ -39,8 +45,14 @@ pub struct Options {
     pub subject: Subject,
     /// What colours mean.
     pub colour: Colour,
-    /// Values at the two ends of the colours; `None` takes the smallest and the largest.
+    /// Values at the two ends of the colours, SI; `None` takes the smallest and the largest: of all pictures, in a series.
     pub range: Option<[f64; 2]>,
+    /// Which colours; `None` takes those of what they mean.
+    pub map: Option<ColourMap>,
+    /// What lies behind.
+    pub background: Background,
+    /// Scale of temperatures beside the bar.
+    pub scale: Scale,
     /// What is cut away.
     pub clip: Option<Clip>,
     /// Whether the outlines of walls are drawn.
@@ -61,6 +73,9 @@ impl Default for Options {
             subject: Subject::Domain,
             colour: Colour::Speed,
             range: None,
+            map: None,
+            background: Background::White,
+            scale: Scale::Kelvin,
             clip: None,
             walls: true,
             bar: true,
@@ -68,6 +83,19 @@ impl Default for Options {
         }
     }
 }
+
+/// Scale of temperatures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// K.
+    #[default]
+    Kelvin,
+    /// °C.
+    Celsius,
+}
+
+/// Zero of the scale of Celsius, K.
+const CELSIUS: f64 = 273.15;
 
 /// What fills a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,43 +128,81 @@ impl Clip {
 /// # Errors
 /// [`Error::PictureSize`] and [`Error::PictureMemory`] before anything is drawn, or [`Error::Picture`] from the compressor.
 pub fn render(state: &State, plan: &Plan, options: &Options) -> Result<Vec<u8>, Error> {
-    let Options { width, height, colour, .. } = *options;
-    let needed = memory_for(options, state.len());
-    if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
-        return Err(Error::PictureSize { width, height, needed });
-    }
-    if let Some(free) = memory::free().filter(|&free| needed > free) {
-        return Err(Error::PictureMemory { width, height, needed, free });
-    }
-    let (columns, rows) = (width as usize, height as usize);
-    let beside = if options.bar { Bar::width(columns, rows) } else { 0 };
-    let values = colour.values(state, plan);
-    let range = options.range.unwrap_or_else(|| colour.range_of(&values));
-
-    let scene = draw(state, plan, options, [columns - beside, rows], &colour::shades(&values, range));
-    let time = plan.heat.as_ref().map_or_else(|| plan.time(state.step), |_| plan.heat_time(state.step));
-    let pixels = if beside == 0 {
-        scene
-    } else {
-        let mut pixels = vec![255; 3 * columns * rows];
-        let mut sheet = Sheet { columns, pixels: &mut pixels };
-        sheet.paste(&scene, columns - beside);
-        let bar = Bar { colour, range, caption: format!("t={}s", bar::number(time)) };
-        bar.draw(&mut sheet, rows, columns - beside);
-        pixels
-    };
-    let told = [
-        ("step", state.step.to_string()),
-        ("time", time.to_string()),
-        ("field", colour.name().to_owned()),
-        ("low", range[0].to_string()),
-        ("high", range[1].to_string()),
-    ];
-    compress(&pixels, [width, height], told).map_err(|source| Error::Picture { source: source.into() })
+    let drawing = Drawing::of(state, plan, options)?;
+    drawing.png(options, drawing.shaded.extent, false)
 }
 
-/// Spheres and walls as bytes, without what stands beside them.
-fn draw(state: &State, plan: &Plan, options: &Options, [columns, rows]: [usize; 2], shades: &[Shade]) -> Vec<u8> {
+/// When a picture is of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stamp {
+    step: u64,
+    /// Of the heat, if there is some, s.
+    time: f64,
+    /// The longest time of a series, s.
+    longest: Option<f64>,
+}
+
+/// A picture that can be coloured in any range.
+struct Drawing {
+    shaded: Shaded,
+    stamp: Stamp,
+}
+
+impl Drawing {
+    fn of(state: &State, plan: &Plan, options: &Options) -> Result<Self, Error> {
+        let Options { width, height, colour, .. } = *options;
+        let needed = memory_for(options, state.len());
+        if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
+            return Err(Error::PictureSize { width, height, needed });
+        }
+        if let Some(free) = memory::free().filter(|&free| needed > free) {
+            return Err(Error::PictureMemory { width, height, needed, free });
+        }
+        let values = colour.values(state, plan);
+        let extent = options.range.unwrap_or_else(|| colour.extent(&values));
+        let size = [width as usize - beside(options), height as usize];
+        let time = plan.heat.as_ref().map_or_else(|| plan.time(state.step), |_| plan.heat_time(state.step));
+        let stamp = Stamp { step: state.step, time, longest: None };
+        Ok(Drawing { shaded: draw(state, plan, options, size, (&values, extent)), stamp })
+    }
+
+    /// The picture in colours for values of an extent.
+    fn png(&self, options: &Options, extent: [f64; 2], with_values: bool) -> Result<Vec<u8>, Error> {
+        let Options { width, height, colour, background, scale, .. } = *options;
+        let map = options.map.unwrap_or(colour.map());
+        let range = options.range.unwrap_or_else(|| colour.range(extent, map));
+        let mut sheet = Sheet::new([width as usize, height as usize], background.fill());
+        self.shaded.paint(&mut sheet, map, background, range);
+        if beside(options) > 0 {
+            let bar = Bar { colour, map, background, scale, range, stamp: self.stamp };
+            bar.draw(&mut sheet, self.shaded.columns);
+        }
+        let told = [
+            ("step", self.stamp.step.to_string()),
+            ("time", self.stamp.time.to_string()),
+            ("field", colour.name().to_owned()),
+            ("low", range[0].to_string()),
+            ("high", range[1].to_string()),
+        ];
+        let values = if with_values { Some(&self.shaded) } else { None };
+        let alpha = background == Background::Transparent;
+        compress(&sheet, alpha, told, values).map_err(|source| Error::Picture { source: source.into() })
+    }
+}
+
+/// Pixels across that the bar takes.
+fn beside(options: &Options) -> usize {
+    if options.bar { Bar::width(options.width as usize, options.height as usize) } else { 0 }
+}
+
+/// Spheres and walls, without what stands beside them.
+fn draw(
+    state: &State,
+    plan: &Plan,
+    options: &Options,
+    [columns, rows]: [usize; 2],
+    (values, extent): (&[f64], [f64; 2]),
+) -> Shaded {
     let scale = if options.smooth { 2 } else { 1 };
     let size = [columns * scale, rows * scale];
     let [low, high] = subject(state, plan, options.subject);
@@ -147,7 +213,7 @@ fn draw(state: &State, plan: &Plan, options: &Options, [columns, rows]: [usize; 
         .filter_map(|index| {
             let image = camera.project(state.position[index])?;
             let radius = camera.size_at(image.depth, state.radius[index]);
-            Some(Disc { image, radius, thickness: state.radius[index], shade: shades[index] })
+            Some(Disc { image, radius, thickness: state.radius[index], shade: shaded::shade(values[index], extent) })
         })
         .collect();
 
@@ -163,7 +229,7 @@ fn draw(state: &State, plan: &Plan, options: &Options, [columns, rows]: [usize; 
             }
         }
     }
-    canvas.reduced(scale)
+    canvas.reduced(scale, extent)
 }
 
 /// More pixels than anybody looks at.
@@ -192,19 +258,30 @@ fn subject(state: &State, plan: &Plan, subject: Subject) -> [[f64; 3]; 2] {
     [edge(-1.0, f64::min), edge(1.0, f64::max)]
 }
 
+/// What a text chunk of a PNG file tells.
+pub(crate) fn told(picture: &[u8], key: &str) -> Option<String> {
+    let reader = png::Decoder::new(Cursor::new(picture)).read_info().ok()?;
+    let chunks = reader.info().uncompressed_latin1_text.iter();
+    chunks.filter(|chunk| chunk.keyword == key).map(|chunk| chunk.text.clone()).next()
+}
+
 fn compress(
-    pixels: &[u8],
-    [width, height]: [u32; 2],
+    sheet: &Sheet,
+    alpha: bool,
     told: [(&str, String); 5],
+    values: Option<&Shaded>,
 ) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
+    let mut encoder = png::Encoder::new(&mut bytes, sheet.columns as u32, sheet.rows as u32);
+    encoder.set_color(if alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     for (name, value) in told {
         encoder.add_text_chunk(name.to_owned(), value)?;
     }
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels)?;
+    if let Some(values) = values {
+        writer.write_chunk(png::chunk::ChunkType(shaded::CHUNK), &values.pack()?)?;
+    }
+    writer.write_image_data(&sheet.bytes(alpha))?;
     writer.finish()?;
     Ok(bytes)
 }

@@ -11,6 +11,8 @@ mod images;
 mod page;
 mod story;
 
+pub(crate) use html::base64;
+
 use crate::curve::Curve;
 use crate::error::{Action, Context, Error};
 use crate::files::atomically;

@@ -15,7 +15,8 @@ use crate::lock::{self, Lock};
 use crate::log::{self, Event};
 use crate::picture::{self, Series};
 use crate::start;
-use crate::vtkhdf::frame::Frame;
+use crate::vtkhdf::about::{About, Names};
+use crate::vtkhdf::frame::{Frame, Moment};
 use crate::vtkhdf::master::{self, Numbers, Shown};
 use crate::writer::Wanted;
 use rayon::prelude::*;
@@ -45,6 +46,7 @@ const PACKED_AT_THE_END: u64 = 1_000_000_000;
 pub struct RunDirectory {
     path: PathBuf,
     contents: Contents,
+    names: Names,
     series: Vec<Series>,
     frames: Vec<Frame>,
     /// The frames in `frames.csv`, damaged ones too.
@@ -194,6 +196,7 @@ impl RunDirectory {
         RunDirectory {
             path: path.into(),
             contents: Contents::default(),
+            names: Names::default(),
             series: Vec::new(),
             next_frame: stored.next,
             frames: stored.frames,
@@ -226,6 +229,11 @@ impl RunDirectory {
     /// Decides what frames hold from now on.
     pub fn set_contents(&mut self, contents: Contents) {
         self.contents = contents;
+    }
+
+    /// Decides which names frames tell from now on.
+    pub fn set_names(&mut self, names: Names) {
+        self.names = names;
     }
 
     /// Decides which pictures are drawn from now on.
@@ -286,8 +294,10 @@ impl RunDirectory {
         let lost = self.listed.iter().position(|listed| listed.step == step);
         let number = lost.map_or(self.next_frame, |place| self.listed[place].number);
         let blocks = scene.blocks(self.contents);
-        let (frame, seal) =
-            Frame::write(&self.path, frame_name(number), step, time, &blocks, self.contents.compression)?;
+        let heat_time = plan.heat.as_ref().map(|_| plan.heat_time(state.step));
+        let about = About { heat_time, names: self.names.clone() };
+        let moment = Moment { step, time, about };
+        let (frame, seal) = Frame::write(&self.path, frame_name(number), moment, &blocks, self.contents.compression)?;
         let listed = Listed { number, step, time, seal };
         self.frames.push(frame);
         self.masters = Masters::Stale;
@@ -328,6 +338,14 @@ impl RunDirectory {
     /// Whatever the file system says; older pictures are then still there.
     pub fn pictures(&mut self, state: &State, plan: &Plan) -> Result<(), Error> {
         self.series.iter().try_for_each(|series| series.write(&self.path, state, plan).map(drop))
+    }
+
+    /// Gives all pictures of a series the same colours for the same values.
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    pub fn unify_pictures(&self) -> Result<(), Error> {
+        self.series.iter().try_for_each(|series| picture::unify(&self.path, series))
     }
 
     /// Adds a row to the history. A step that has its row already gets no other.

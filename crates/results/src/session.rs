@@ -154,6 +154,7 @@ fn run_into(
         Outcome::Finished { .. } => directory.finish()?,
         Outcome::Interrupted { .. } => directory.publish()?,
     }
+    directory.unify_pictures()?;
     if let Some(turns) = witness.turns.filter(|turns| turns.unrelaxed > 0) {
         directory.log(&Event::Warning(format!(
             "particles were not at rest behind {} steps of the heat, the last of them step {}; the ratio of forces was up \

@@ -7,10 +7,12 @@
 //! There is one master per block, because VTK's reader (up to 9.7) returns the first instant for every time of a
 //! series that holds several blocks.
 
+pub(crate) mod about;
 pub(crate) mod array;
 pub(crate) mod block;
 pub(crate) mod frame;
 pub(crate) mod hdf5;
 pub(crate) mod master;
 
+pub use about::Names;
 pub use hdf5::FormatError;

@@ -34,6 +34,18 @@ pub fn grouped(count: u64) -> String {
     text
 }
 
+/// A decimal number with the thousands of its whole part set apart; what has none is left as it is.
+#[must_use]
+pub fn parted(number: &str) -> String {
+    let (sign, digits) = number.strip_prefix('-').map_or(("", number), |digits| ("-", digits));
+    let end = digits.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(digits.len());
+    match digits[..end].parse() {
+        // A power of ten tells how large it is.
+        Ok(whole) if !digits.contains('e') => format!("{sign}{}{}", grouped(whole), &digits[end..]),
+        _ => number.to_owned(),
+    }
+}
+
 /// An amount of storage.
 #[must_use]
 pub fn bytes(amount: u64) -> String {
@@ -88,6 +100,14 @@ mod tests {
         );
         assert_eq!([0, 999, 8000, 1_362_944].map(grouped), ["0", "999", "8,000", "1,362,944"]);
         assert_eq!([12, 4_200, 3_700_000].map(bytes), ["12 B", "4.2 kB", "3.7 MB"]);
+    }
+
+    #[test]
+    fn thousands_of_decimal_numbers_are_set_apart() {
+        assert_eq!(
+            ["-12345.678", "999", "1000", "0.0012345", "1.5e7", "NaN", "20280"].map(parted),
+            ["-12,345.678", "999", "1,000", "0.0012345", "1.5e7", "NaN", "20,280"]
+        );
     }
 
     #[test]

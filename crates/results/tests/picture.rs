@@ -7,7 +7,7 @@ mod common;
 use tdem_engine::physics::bond::Failure;
 use tdem_engine::{Breakage, State};
 use tdem_results::Error;
-use tdem_results::picture::{Clip, Colour, Options, Subject, render};
+use tdem_results::picture::{Background, Clip, Colour, ColourMap, Options, Scale, Subject, render};
 
 fn pixels(state: &State, options: &Options) -> (u32, Vec<[u8; 3]>) {
     let bytes = render(state, &common::plan(), options).unwrap();
@@ -38,6 +38,9 @@ const FROM_THE_FRONT: Options = Options {
     subject: Subject::Particles,
     colour: Colour::Speed,
     range: None,
+    map: None,
+    background: Background::White,
+    scale: Scale::Kelvin,
     clip: None,
     walls: false,
     bar: false,
@@ -129,10 +132,38 @@ fn a_bar_stands_beside_the_picture_and_the_file_tells_what_it_shows() {
 
 #[test]
 fn ranges_begin_where_nothing_is() {
-    assert_eq!(Colour::Damage.range_of(&[0.0, 0.0]), [0.0, 1.0]);
-    assert_eq!(Colour::Damage.range_of(&[0.1, 0.5]), [0.0, 0.5]);
-    assert_eq!(Colour::Material.range_of(&[1.0, 2.0]), [0.0, 2.0]);
-    assert_eq!(Colour::Temperature.range_of(&[f64::NAN, 300.0, 400.0]), [300.0, 400.0]);
+    let range = |colour: Colour, values: &[f64]| colour.range(colour.extent(values), colour.map());
+    assert_eq!(range(Colour::Damage, &[0.0, 0.0]), [0.0, 1.0]);
+    assert_eq!(range(Colour::Damage, &[0.1, 0.5]), [0.0, 0.5]);
+    assert_eq!(range(Colour::Material, &[1.0, 2.0]), [0.0, 2.0]);
+    assert_eq!(range(Colour::Temperature, &[f64::NAN, 300.0, 400.0]), [300.0, 400.0]);
+}
+
+#[test]
+fn zero_is_in_the_middle_of_a_map_that_diverges() {
+    let range = |values: &[f64], map| Colour::Stress.range(Colour::Stress.extent(values), map);
+    assert_eq!(range(&[-3.0, 1.0], ColourMap::Coolwarm), [-3.0, 3.0]);
+    assert_eq!(range(&[1.0, 3.0], ColourMap::Coolwarm), [1.0, 3.0], "there is no zero between them");
+    assert_eq!(range(&[-3.0, 1.0], ColourMap::Grey), [-3.0, 1.0]);
+}
+
+#[test]
+fn backgrounds_are_dark_or_let_through_what_lies_behind() {
+    let (state, plan) = (two_in_line(), common::plan());
+    let corner = |background| {
+        let bytes = render(&state, &plan, &Options { background, ..FROM_THE_FRONT }).expect("it can be drawn");
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("it is a PNG file");
+        let mut buffer = vec![0; reader.output_buffer_size().expect("it is small")];
+        let info = reader.next_frame(&mut buffer).expect("it is whole");
+        let channels = info.color_type.samples();
+        let middle = (30 * 81 + 40) * channels;
+        (channels, buffer[..channels].to_vec(), buffer[middle..middle + channels].to_vec())
+    };
+    let (channels, clear, sphere) = corner(Background::Transparent);
+    assert_eq!((channels, clear[3], sphere[3]), (4, 0, 255));
+    let (channels, dark, of_dark) = corner(Background::Dark);
+    assert!(channels == 3 && dark.iter().all(|&channel| channel < 40));
+    assert_eq!(of_dark[..], sphere[..3], "a sphere looks the same before each");
 }
 
 #[test]

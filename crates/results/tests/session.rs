@@ -60,6 +60,7 @@ fn the_files_are_those_of_writing_one_after_the_other() {
         simulation.advance(10).unwrap();
     }
     directory.finish().unwrap();
+    directory.unify_pictures().unwrap();
     assert_same_results(session.path(), plain.path());
     for step in [0, 350, 400] {
         let [one, other] = [&session, &plain].map(|run| {
@@ -69,6 +70,35 @@ fn the_files_are_those_of_writing_one_after_the_other() {
         });
         assert!(one == other, "the checkpoint of step {step} differs");
     }
+}
+
+#[test]
+fn a_colour_is_the_same_value_in_all_pictures_of_a_series() {
+    let folder = tempfile::tempdir().unwrap();
+    run_new(folder.path(), 400);
+    let ranges = |series: &str| -> Vec<[f64; 2]> {
+        let names = results(folder.path()).into_iter().filter(|(name, _)| name.contains(series));
+        let told = |bytes: Vec<u8>, key: &str| {
+            let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+            let chunk = reader.info().uncompressed_latin1_text.iter().find(|chunk| chunk.keyword == key);
+            chunk.unwrap().text.parse().unwrap()
+        };
+        names.map(|(_, bytes)| [told(bytes.clone(), "low"), told(bytes, "high")]).collect()
+    };
+    for series in ["pictures/speed-", "pictures/cut-"] {
+        let ranges = ranges(series);
+        assert!(ranges.len() > 3 && ranges.iter().all(|range| *range == ranges[0]), "{series}: {ranges:?}");
+    }
+    // The range is that of the whole series: no row of the history is faster than its fastest picture was at its step.
+    let fastest = ranges("pictures/speed-")[0][1];
+    let speeds = fs::read_to_string(folder.path().join("history.csv")).unwrap();
+    let column = speeds.lines().next().unwrap().split(',').position(|name| name == "largest_speed").unwrap();
+    let of_steps = speeds
+        .lines()
+        .skip(1)
+        .filter(|line| ["0", "120", "240", "360", "400"].contains(&line.split(',').next().unwrap()));
+    let most = of_steps.map(|line| line.split(',').nth(column).unwrap().parse::<f64>().unwrap()).fold(0.0, f64::max);
+    assert!((fastest - most).abs() < 1e-12 * most, "{fastest} {most}");
 }
 
 #[test]

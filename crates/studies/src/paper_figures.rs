@@ -50,9 +50,9 @@ impl Model {
     #[must_use]
     pub fn case(self) -> (&'static str, &'static str) {
         match self {
-            Model::GN | Model::GNT | Model::GNTM => ("packing.toml", include_str!("../../../cases/packing.toml")),
-            Model::BPM => ("tension.toml", include_str!("../../../cases/tension.toml")),
-            Model::TBPM => ("heating.toml", include_str!("../../../cases/heating.toml")),
+            Model::GN | Model::GNT | Model::GNTM => ("packing.toml", include_str!("../cases/packing.toml")),
+            Model::BPM => ("tension.toml", include_str!("../cases/tension.toml")),
+            Model::TBPM => ("heating.toml", include_str!("../cases/heating.toml")),
         }
     }
     /// What the application is called.

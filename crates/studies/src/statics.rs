@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn a_ramp_moves_as_far_as_the_area_under_it() {
-        let text = include_str!("../../../cases/tension.toml");
+        let text = include_str!("../cases/tension.toml");
         let ramp = ("zone.1.prescribed.y".to_owned(), "[[1.0e-4, 0.0], [3.0e-4, 0.05]]".to_owned());
         let built = tdem_case::parse("tension.toml", text, Path::new("."), &[ramp]).unwrap().build().unwrap();
         for (duration, way) in [(0.5e-4, 0.0), (2e-4, 0.5 * 1e-4 * 0.025), (4e-4, 0.5 * 2e-4 * 0.05 + 1e-4 * 0.05)] {

@@ -244,7 +244,7 @@ fn a_fault_ends_a_ladder_with_what_there_is() {
 
 #[test]
 fn a_case_without_acceleration_is_refused() {
-    let starter = tdem_case::starter("cold");
+    let starter = tdem_case::starter(tdem_case::Starter::Packing, "cold");
     assert_eq!(refusal(&starter, 3), Error::NoHeat);
     let natural = BLOCK.replace("duration = 1000.0\n", "");
     assert_eq!(refusal(&natural, 3), Error::NotAccelerated { time_scale: 1.0 });

@@ -14,6 +14,11 @@ fn the_page_on_case_files_is_up_to_date() {
 }
 
 #[test]
+fn the_schema_for_editors_is_up_to_date() {
+    up_to_date("case.schema.json", &format!("{:#}\n", tdem_case::json_schema()));
+}
+
+#[test]
 fn the_page_on_outputs_is_up_to_date() {
     up_to_date("outputs.md", &outputs());
 }
@@ -64,7 +69,16 @@ fn outputs() -> String {
              where particles were at the start of the run; `displacement` counts from there.\n";
     page += "\n`report.html` shows all of it on one page, for any browser, without loading anything. `pictures/NAME-STEP.png` are \
              drawn as the run goes on, as `[[picture]]` of the case says; their text chunks tell `step`, `time` (s; of the heat, where there \
-             is any), `field`, and the values `low` and `high` at the ends of the colours.\n";
+             is any), `field`, and the values `low` and `high` at the ends of the colours (SI). Where the case gives no range, a colour means the \
+             same value in all pictures of a series once the run has ended; until then each picture has its own range, and carries its \
+             values in a chunk `tdVS` that viewers skip.\n\n\
+             Masters tell in their field data (in ParaView the tab *Field Data* of the spreadsheet, and the filter *Annotate \
+             Attribute Data*): `step`, `heat_time` (s, in runs with heat), and, as names of arrays, `title TITLE` of the case and \
+             `material INDEX NAME` with the index that `material` of particles has; frames hold the same beside the particles, where VTK leaves it out. Letters that are not \
+             ASCII become `?` there, points and slashes `_`.\n\n\
+             `tdem export RUN --format xyz|lammps|vtp|csv` writes the particles of frames for OVITO, for what reads dumps of LAMMPS, for VTK \
+             without HDF5, and for spreadsheets. Columns keep the names below, except where a program expects others: `velo` and `forces` in \
+             extended XYZ; `vx`, `omegax`, `fx`, `tqx` and so on, `type` (material + 1) and `id` (ours + 1) in dumps of LAMMPS.\n";
     for place in Place::ALL {
         let (file, what) = match place {
             Place::Particles => ("particles.vtkhdf", "one point per particle"),
@@ -119,6 +133,13 @@ fn case_file() -> String {
          finds everything that is wrong with one, and `tdem schema` prints the JSON schema that editors use. Physical \
          values have no defaults. A default in the tables below is numerical, or means \"none\".\n",
     );
+    page += "\n## In an editor\n\n\
+             Editors with [Taplo](https://taplo.tamasfe.dev), such as Visual Studio Code with the extension *Even Better TOML*, Zed, \
+             Helix and Neovim, complete keys, explain them and mark what is wrong while one types. The first line of a case names the \
+             schema: `#:schema ./case.schema.json`, relative to the case, or a full path or address. `tdem new` writes that line and the \
+             file beside the case; `tdem schema > case.schema.json` writes the file of the version at hand, and \
+             [case.schema.json](case.schema.json) is that of this one. For all cases of a folder at once, a `.taplo.toml` does it:\n\n\
+             ```toml\n[[rule]]\ninclude = [\"cases/*.toml\"]\nschema = { path = \"./docs/case.schema.json\" }\n```\n";
     table(&mut page, "The top level", &schema);
     if let Some(definitions) = schema["$defs"].as_object() {
         for (name, definition) in definitions.iter().filter(|(_, definition)| !simple(definition)) {

@@ -24,7 +24,7 @@ pub use particles::{
     Align, CellKind, Component, Csv, Force, Lattice, List, Particles, Prescribed, Radius, Random, Region, Run,
     RunBonds, RunContacts, SizeDistribution, SizeRange,
 };
-pub use picture::{Clip, Field, Picture, View};
+pub use picture::{Background, Clip, ColourMap, Field, Picture, View};
 pub use property::{MeasuredProperty, Property};
 pub(crate) use quantity::non_negative;
 pub use quantity::{

@@ -12,9 +12,16 @@ pub struct Picture {
     pub name: String,
     /// What colours mean.
     pub field: Field,
-    /// Values at the two ends of the colours, in the SI unit of the field; each picture's own smallest and largest if left out.
+    /// Values at the two ends of the colours, in the unit of the field; the smallest and the largest of all pictures of the series
+    /// if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
+    /// Which colours; "coolwarm" for stresses, "inferno" for temperatures, "viridis" for others if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub colour_map: Option<ColourMap>,
+    /// What lies behind spheres.
+    #[serde(default = "white")]
+    pub background: Background,
     /// From where. Give this or `direction`; without either it is "corner".
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
@@ -41,6 +48,9 @@ pub struct Picture {
 const fn size() -> [u32; 2] {
     [960, 720]
 }
+const fn white() -> Background {
+    Background::White
+}
 const fn yes() -> bool {
     true
 }
@@ -56,28 +66,70 @@ pub struct Clip {
     pub normal: [f64; 3],
 }
 
-/// What colours mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Field {
-    /// Speed, m/s.
-    Velocity,
-    /// Size of the angular velocity, rad/s.
-    AngularVelocity,
-    /// Third coordinate, m.
-    Height,
-    /// Radius, m.
-    Radius,
-    /// Size of the resultant force, N.
-    Force,
-    /// Number of the material, in the order of their names.
-    Material,
-    /// Mean of the three normal stresses from contacts and bonds, Pa, tension positive.
-    Stress,
-    /// Share of the bonds that broke.
-    Damage,
-    /// Temperature, K.
-    Temperature,
+/// An enum of words with their meanings: for the schema, for the command line, for lists.
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident { $(#[doc = $about:literal] $variant:ident = $word:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+        pub enum $name {
+            $(#[doc = $about] #[serde(rename = $word)] $variant,)*
+        }
+        impl $name {
+            /// All of them, each with its word and what it means.
+            pub const ALL: &'static [(Self, &'static str, &'static str)] =
+                &[$((Self::$variant, $word, $about),)*];
+        }
+    };
+}
+
+words! {
+    /// What colours mean.
+    Field {
+        #[doc = " Speed, m/s."]
+        Velocity = "velocity",
+        #[doc = " Size of the angular velocity, rad/s."]
+        AngularVelocity = "angular-velocity",
+        #[doc = " Third coordinate, m."]
+        Height = "height",
+        #[doc = " Radius, m."]
+        Radius = "radius",
+        #[doc = " Size of the resultant force, N."]
+        Force = "force",
+        #[doc = " Number of the material, in the order of their names."]
+        Material = "material",
+        #[doc = " Mean of the three normal stresses from contacts and bonds, Pa, tension positive."]
+        Stress = "stress",
+        #[doc = " Share of the bonds that broke."]
+        Damage = "damage",
+        #[doc = " Temperature, on the scale of the case."]
+        Temperature = "temperature",
+    }
+}
+
+words! {
+    /// Which colours.
+    ColourMap {
+        #[doc = " From dark blue over green to yellow, ascending evenly in lightness."]
+        Viridis = "viridis",
+        #[doc = " From black over red to pale yellow, ascending evenly in lightness."]
+        Inferno = "inferno",
+        #[doc = " From blue over pale grey to red, 0 in the middle if values of both signs are there."]
+        Coolwarm = "coolwarm",
+        #[doc = " From dark to light grey, for print."]
+        Grey = "grey",
+    }
+}
+
+words! {
+    /// What lies behind spheres.
+    Background {
+        #[doc = " White."]
+        White = "white",
+        #[doc = " Dark grey, with light letters."]
+        Dark = "dark",
+        #[doc = " Nothing: the picture can be laid over a page of any colour."]
+        Transparent = "transparent",
+    }
 }
 
 /// From where a picture is taken.
@@ -125,6 +177,8 @@ impl Case {
             name: name.to_owned(),
             field,
             range: None,
+            colour_map: None,
+            background: Background::White,
             view: None,
             direction: None,
             close: self.model.bonds(),

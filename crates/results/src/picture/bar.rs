@@ -1,69 +1,99 @@
 //! The bar of colours beside a picture: which value is which colour, and of what time the picture is.
 
-use super::colour::{Colour, colour_of};
+use super::colour::Colour;
+use super::palette::{Background, ColourMap, Rgb};
 use super::sheet::Sheet;
-use super::text;
+use super::text::Letters;
+use super::{Scale, Stamp};
+use crate::axis::{Ticks, prefix, unit_of_time};
 
-const INK: [u8; 3] = [40, 44, 52];
-/// Values that are written beside the bar.
-const LABELS: usize = 5;
-/// Letters of the longest label, such as -1.234e-5.
-const LETTERS: &str = "-1.234e-5";
+/// Letters of the longest label.
+const LONGEST: &str = "\u{2212}1.234e-5";
 /// Of a picture, the bar takes at most one part in so many of the width; a smaller picture has none.
 const SHARE: usize = 3;
+/// The size of letters is one part in so many of the height of the picture, but can be read.
+const LETTERS: f32 = 34.0;
+const LEAST: f32 = 11.0;
+/// About so many ticks.
+const TICKS: usize = 6;
 
 /// What a bar shows.
 pub(super) struct Bar {
     pub(super) colour: Colour,
-    /// Values at the two ends.
+    pub(super) map: ColourMap,
+    pub(super) background: Background,
+    pub(super) scale: Scale,
+    /// Values at the two ends, SI.
     pub(super) range: [f64; 2],
-    /// What stands below it.
-    pub(super) caption: String,
+    pub(super) stamp: Stamp,
+}
+
+fn letters(rows: usize) -> Letters {
+    Letters::of_size((rows as f32 / LETTERS).max(LEAST))
 }
 
 impl Bar {
-    /// Pixels per pixel of a letter: readable where a picture is shown at half its size.
-    fn scale(rows: usize) -> usize {
-        ((rows + 150) / 300).max(1)
-    }
-
     /// Pixels across that a bar takes beside a picture; none where there is no room for it.
     pub(super) fn width(columns: usize, rows: usize) -> usize {
-        let scale = Bar::scale(rows);
-        let width = text::width(LETTERS, scale) + 24 * scale;
-        if width * SHARE <= columns { width } else { 0 }
+        let letters = letters(rows);
+        let width = letters.width(LONGEST) + 3 * letters.line();
+        if width * SHARE <= columns && 12 * letters.line() <= rows { width } else { 0 }
     }
 
     /// Draws the bar into the right part of a picture, from a column on.
-    pub(super) fn draw(&self, sheet: &mut Sheet<'_>, rows: usize, left: usize) {
-        let scale = Bar::scale(rows);
-        let (line, name) = (text::HEIGHT * scale, self.colour.name().replace('-', " "));
-        let mut top = 4 * scale;
-        // A name of two words takes two lines, and its unit one of its own.
-        for word in name.split(' ').chain([self.colour.unit()]).filter(|word| !word.is_empty()) {
-            text::write(sheet, word, [left + 4 * scale, top], scale, INK);
-            top += line + 3 * scale;
+    pub(super) fn draw(&self, sheet: &mut Sheet, left: usize) {
+        let (rows, ink) = (sheet.rows, self.background.ink());
+        let letters = letters(rows);
+        let line = letters.line();
+        let (left, room) = (left + line / 2, sheet.columns - left - line);
+        let (shown, unit) = self.shown();
+        let mut top = line / 2;
+        for text in wrapped(&self.title(unit), |text| letters.width(text) <= room) {
+            letters.write(sheet, &text, [left, top], ink);
+            top += line;
         }
-        let bottom = rows.saturating_sub(2 * line + 6 * scale);
-        text::write(sheet, &self.caption, [left + 4 * scale, rows.saturating_sub(line + 4 * scale)], scale, INK);
-        let top = top + line;
-        let height = bottom.saturating_sub(top);
-        if height < LABELS * line {
-            return;
-        }
-        let (bar, beside) = (left + 4 * scale, left + 18 * scale);
+        let caption = rows.saturating_sub(line + line / 2);
+        letters.write(sheet, &self.caption(), [left, caption], ink);
+        let (top, bottom) = (top + line, caption.saturating_sub(line));
         match self.levels() {
             Some(levels) => {
                 for level in 0..levels {
-                    let value = self.range[0] + level as f64;
-                    let y = bottom - (level + 1) * (2 * line);
+                    let y = bottom.saturating_sub((level + 1) * (line + line / 2));
                     let shade = level as f32 / (levels - 1).max(1) as f32;
-                    sheet.fill([bar, y], [10 * scale, line + line / 2], painted(shade));
-                    text::write(sheet, &number(value), [beside, y + line / 4], scale, INK);
+                    sheet.fill([left, y], [line, line], self.painted(shade));
+                    letters.write(
+                        sheet,
+                        &(self.range[0] as usize + level).to_string(),
+                        [left + line + line / 2, y],
+                        ink,
+                    );
                 }
             }
-            None => self.scale_of_values(sheet, [top, height], [bar, beside], scale),
+            None => self.scale_of_values(sheet, &letters, [top, bottom], left, shown),
         }
+    }
+
+    /// The range in the unit that is shown, and that unit.
+    fn shown(&self) -> ([f64; 2], String) {
+        let [low, high] = self.range;
+        match (self.colour.unit(), self.scale) {
+            ("K", Scale::Celsius) => ([low, high].map(|value| value - super::CELSIUS), "\u{b0}C".to_owned()),
+            (unit @ ("m/s" | "m" | "N" | "Pa"), _) => {
+                let (prefix, size) = prefix(low.abs().max(high.abs()));
+                ([low / size, high / size], format!("{prefix}{unit}"))
+            }
+            (unit, _) => ([low, high], unit.to_owned()),
+        }
+    }
+
+    fn title(&self, unit: String) -> String {
+        let name = self.colour.title();
+        if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
+    }
+
+    fn caption(&self) -> String {
+        let (unit, size) = unit_of_time(self.stamp.longest.unwrap_or(self.stamp.time));
+        format!("t = {} {unit}", number(self.stamp.time / size))
     }
 
     /// A few whole numbers get a patch each.
@@ -76,39 +106,67 @@ impl Bar {
 
     fn scale_of_values(
         &self,
-        sheet: &mut Sheet<'_>,
-        [top, height]: [usize; 2],
-        [bar, beside]: [usize; 2],
-        scale: usize,
+        sheet: &mut Sheet,
+        letters: &Letters,
+        [top, bottom]: [usize; 2],
+        left: usize,
+        [low, high]: [f64; 2],
     ) {
-        let [low, high] = self.range;
+        let (line, ink) = (letters.line(), self.background.ink());
+        let height = bottom.saturating_sub(top);
+        if height < 3 * line {
+            return;
+        }
+        let thin = (line / 12).max(1);
+        sheet.fill([left - thin, top - thin], [line + 2 * thin, height + 2 * thin], ink);
         for row in 0..height {
-            let shade = 1.0 - row as f32 / (height - 1).max(1) as f32;
-            sheet.fill([bar, top + row], [10 * scale, 1], painted(shade));
+            let shade = 1.0 - row as f32 / (height - 1) as f32;
+            sheet.fill([left, top + row], [line, 1], self.painted(shade));
         }
-        // A range without extent, or of nothing, has at most one value to tell.
-        let labels = if high > low { LABELS } else { usize::from(low.is_finite()) };
-        for label in 0..labels {
-            let share = label as f64 / (LABELS - 1) as f64;
-            let y = top + ((1.0 - share) * (height - 1) as f64) as usize;
-            sheet.fill([bar + 10 * scale, y], [2 * scale, scale], INK);
-            let text = number(low + share * (high - low));
-            let up = (text::HEIGHT * scale / 2).min(y);
-            text::write(sheet, &text, [beside, y - up], scale, INK);
+        let mut tick = |value: f64, share: f64, text: String| {
+            debug_assert!(value.is_finite());
+            let y = top + ((1.0 - share) * (height - 1) as f64).round() as usize;
+            sheet.fill([left + line + thin, y - thin / 2], [line / 4, thin], ink);
+            let text = text.replace('-', "\u{2212}");
+            letters.write(sheet, &text, [left + line + line / 2, y.saturating_sub(line / 2)], ink);
+        };
+        if high > low {
+            let ticks = Ticks::between(low, high, TICKS);
+            for &value in &ticks.values {
+                tick(value, (value - low) / (high - low), ticks.label(value));
+            }
+        } else if low.is_finite() {
+            // A range without extent has one value to tell.
+            tick(low, 0.0, number(low));
         }
+    }
+
+    fn painted(&self, shade: f32) -> Rgb {
+        self.map.colour(shade).map(|part| (part * 255.0).round() as u8)
     }
 }
 
-fn painted(shade: f32) -> [u8; 3] {
-    colour_of(shade).map(|part| (part * 255.0).round() as u8)
+/// A text in lines that fit.
+fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if fits(&format!("{line} {word}")) => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// Four digits at most.
-pub(super) fn number(value: f64) -> String {
+fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
     match rounded.abs() {
         0.0 => "0".to_owned(),
-        1e-3..1e5 => format!("{rounded}"),
+        1e-3..1e5 => crate::words::parted(&format!("{rounded}")),
         _ => format!("{rounded:e}"),
     }
 }
@@ -117,31 +175,53 @@ pub(super) fn number(value: f64) -> String {
 mod tests {
     use super::*;
 
+    fn bar(colour: Colour, range: [f64; 2]) -> Bar {
+        let stamp = Stamp { step: 7, time: 5400.0, longest: Some(20_280.0) };
+        let (map, background) = (colour.map(), Background::White);
+        Bar { colour, map, background, scale: Scale::Celsius, range, stamp }
+    }
+
     #[test]
-    fn numbers_fit_beside_the_bar() {
-        let values = [-1.234_56e-5, 123_456.0, 0.1 + 0.2, -0.001_234, 0.0, 293.15];
-        assert_eq!(values.map(number), ["-1.235e-5", "1.235e5", "0.3", "-0.001234", "0", "293.1"]);
-        assert!(values.map(number).iter().all(|text| text.len() <= LETTERS.len()));
+    fn a_bar_says_units_that_are_easy_to_read() {
+        let told = |colour, range| {
+            let bar = bar(colour, range);
+            let (shown, unit) = bar.shown();
+            (bar.title(unit), shown)
+        };
+        assert_eq!(told(Colour::Temperature, [273.15, 373.15]), ("temperature (\u{b0}C)".into(), [0.0, 100.0]));
+        assert_eq!(told(Colour::Stress, [-2e6, 2e6]), ("mean stress (MPa)".into(), [-2.0, 2.0]));
+        assert_eq!(told(Colour::Damage, [0.0, 0.5]).0, "share of broken bonds");
+        assert_eq!(bar(Colour::Damage, [0.0, 0.5]).caption(), "t = 1.5 h", "in the unit of the whole run");
+        let kelvin = Bar { scale: Scale::Kelvin, ..bar(Colour::Temperature, [300.0, 400.0]) };
+        assert_eq!(kelvin.shown(), ([300.0, 400.0], "K".into()));
     }
 
     #[test]
     fn a_bar_runs_from_dark_below_to_bright_above() {
         let (columns, rows) = (400, 300);
         let width = Bar::width(columns, rows);
-        let mut pixels = vec![255; 3 * columns * rows];
-        let bar = Bar { colour: Colour::Temperature, range: [20.0, 900.0], caption: "t = 1 s".into() };
-        bar.draw(&mut Sheet { columns, pixels: &mut pixels }, rows, columns - width);
+        let mut sheet = Sheet::new([columns, rows], Background::White.fill());
+        let bar = bar(Colour::Damage, [0.0, 0.5]);
+        let left = columns - width;
+        bar.draw(&mut sheet, left);
+        let bytes = sheet.bytes(false);
         let column: Vec<&[u8]> =
-            (0..rows).map(|row| &pixels[3 * (row * columns + columns - width + 6)..][..3]).collect();
-        let [first, last] = [painted(1.0), painted(0.0)];
+            (0..rows).map(|row| &bytes[3 * (row * columns + left + letters(rows).line())..][..3]).collect();
+        let [first, last] = [bar.painted(1.0), bar.painted(0.0)];
         let place = |colour: [u8; 3]| column.iter().position(|pixel| *pixel == colour);
         assert!(place(first).expect("bright is there") < place(last).expect("dark is there"));
         assert_eq!(Bar::width(80, 60), 0, "too small a picture has none");
     }
 
     #[test]
+    fn names_that_are_too_long_take_lines() {
+        assert_eq!(wrapped("share of broken bonds", |text| text.len() <= 10), ["share of", "broken", "bonds"]);
+        assert_eq!(wrapped("height", |_| false), ["height"]);
+    }
+
+    #[test]
     fn materials_have_patches() {
-        let bar = |range| Bar { colour: Colour::Material, range, caption: String::new() };
+        let bar = |range| bar(Colour::Material, range);
         assert_eq!([[0.0, 1.0], [0.0, 0.0], [0.0, 40.0]].map(|range| bar(range).levels()), [Some(2), Some(1), None]);
     }
 }

@@ -1,5 +1,6 @@
 //! From values to colours.
 
+use super::palette::ColourMap;
 use crate::blocks::{Scene, mean_stress};
 use tdem_engine::{Plan, State};
 
@@ -26,9 +27,6 @@ pub enum Colour {
     Temperature,
 }
 
-/// A value between the two ends of the colours, 0 to 1.
-pub type Shade = f32;
-
 impl Colour {
     /// All of them.
     pub const ALL: [Colour; 9] = [
@@ -43,7 +41,7 @@ impl Colour {
         Colour::Temperature,
     ];
 
-    /// What it is called in case files, on the command line, and beside the bar of colours.
+    /// What it is called in case files and on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -92,44 +90,55 @@ impl Colour {
         }
     }
 
-    /// From the smallest to the largest of its values. Damage and
-    /// materials begin at 0, so that dark is none of it, and the first of them, in every picture.
+    /// What stands above the bar of colours, without the unit.
     #[must_use]
-    pub fn range_of(self, values: &[f64]) -> [f64; 2] {
+    pub fn title(self) -> &'static str {
+        match self {
+            Colour::Speed => "speed",
+            Colour::Spin => "angular velocity",
+            Colour::Height => "height",
+            Colour::Radius => "radius",
+            Colour::Force => "resultant force",
+            Colour::Material => "material",
+            Colour::Stress => "mean stress",
+            Colour::Damage => "share of broken bonds",
+            Colour::Temperature => "temperature",
+        }
+    }
+
+    /// The colour map of who asks for none: one that diverges for stresses, which have a sign.
+    #[must_use]
+    pub fn map(self) -> ColourMap {
+        match self {
+            Colour::Stress => ColourMap::Coolwarm,
+            Colour::Temperature => ColourMap::Inferno,
+            _ => ColourMap::Viridis,
+        }
+    }
+
+    /// The smallest and the largest of its values; infinity and minus infinity where there is none. Damage and materials
+    /// begin at 0, so that dark is none of it, and the first of them, in every picture.
+    #[must_use]
+    pub fn extent(self, values: &[f64]) -> [f64; 2] {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let largest = finite().fold(f64::NEG_INFINITY, f64::max);
         match self {
-            Colour::Damage if largest > 0.0 => [0.0, largest],
-            Colour::Damage => [0.0, 1.0],
-            Colour::Material => [0.0, largest.max(0.0)],
+            Colour::Damage | Colour::Material => [0.0, largest.max(0.0)],
             _ => [finite().fold(f64::INFINITY, f64::min), largest],
         }
     }
-}
 
-/// Values as shares of a range.
-pub(super) fn shades(values: &[f64], [low, high]: [f64; 2]) -> Vec<Shade> {
-    let span = if high > low { high - low } else { 1.0 };
-    values.iter().map(|value| (((value - low) / span) as Shade).clamp(0.0, 1.0)).collect()
-}
-
-/// Dark blue, teal, green, yellow: ascending in brightness, so that it also reads in grey and for the colour-blind.
-const STOPS: [[f32; 3]; 6] = [
-    [0.27, 0.11, 0.43],
-    [0.23, 0.32, 0.55],
-    [0.13, 0.53, 0.55],
-    [0.24, 0.71, 0.45],
-    [0.66, 0.86, 0.20],
-    [0.99, 0.90, 0.14],
-];
-
-/// The colour of a shade; red, green and blue between 0 and 1. What is not a number is grey.
-pub(super) fn colour_of(shade: Shade) -> [f32; 3] {
-    if shade.is_nan() {
-        return [0.5; 3];
+    /// The range of colours for values of an extent. A map that diverges has 0 in its middle if there are values on both
+    /// sides of it.
+    #[must_use]
+    pub fn range(self, [low, high]: [f64; 2], map: ColourMap) -> [f64; 2] {
+        if self == Colour::Damage && high == 0.0 {
+            [0.0, 1.0]
+        } else if map.diverges() && low < 0.0 && high > 0.0 {
+            let most = high.max(-low);
+            [-most, most]
+        } else {
+            [low, high]
+        }
     }
-    let place = shade * (STOPS.len() - 1) as f32;
-    let stop = (place as usize).min(STOPS.len() - 2);
-    let share = place - stop as f32;
-    std::array::from_fn(|k| STOPS[stop][k] + share * (STOPS[stop + 1][k] - STOPS[stop][k]))
 }

@@ -1,7 +1,7 @@
 //! Spheres and lines on a grid of pixels, nearer ones before farther ones.
 
 use super::camera::Image;
-use super::colour::{Shade, colour_of};
+use super::shaded::{Pixel, Shaded, brightness, byte};
 use rayon::prelude::*;
 
 /// A sphere in the picture.
@@ -12,35 +12,42 @@ pub(super) struct Disc {
     pub(super) radius: f64,
     /// Radius of the sphere, m: how far it bulges towards the camera.
     pub(super) thickness: f64,
-    pub(super) shade: Shade,
+    /// Shade of its value.
+    pub(super) shade: u16,
 }
 
 /// Rows that one thread draws at a time. Fixed, as is the order of spheres within: the same picture on any machine.
 const BAND: usize = 32;
-const BACKGROUND: [u8; 3] = [255; 3];
-const LINE: [u8; 3] = [90, 95, 105];
 
-/// Pixels and their depths.
+/// Samples and their depths.
 pub(super) struct Canvas {
     columns: usize,
     rows: usize,
-    pixels: Vec<[u8; 3]>,
+    samples: Vec<Sample>,
     depths: Vec<f32>,
+}
+
+/// What is to be seen at a point.
+#[derive(Clone, Copy)]
+enum Sample {
+    Nothing,
+    Line,
+    Sphere { shade: u16, bright: f32, gloss: f32 },
 }
 
 impl Canvas {
     pub(super) fn new(columns: usize, rows: usize) -> Self {
         let count = columns * rows;
-        Canvas { columns, rows, pixels: vec![BACKGROUND; count], depths: vec![f32::INFINITY; count] }
+        Canvas { columns, rows, samples: vec![Sample::Nothing; count], depths: vec![f32::INFINITY; count] }
     }
 
     /// Draws spheres as shaded discs that bulge towards the camera.
     pub(super) fn draw_discs(&mut self, discs: &[Disc]) {
         let bands = self.bands(discs);
         let size = BAND * self.columns;
-        let strips = self.pixels.par_chunks_mut(size).zip(self.depths.par_chunks_mut(size));
-        strips.zip(&bands).enumerate().for_each(|(number, ((pixels, depths), members))| {
-            let mut strip = Strip { top: number * BAND, columns: self.columns, pixels, depths };
+        let strips = self.samples.par_chunks_mut(size).zip(self.depths.par_chunks_mut(size));
+        strips.zip(&bands).enumerate().for_each(|(number, ((samples, depths), members))| {
+            let mut strip = Strip { top: number * BAND, columns: self.columns, samples, depths };
             strip.draw(discs, members);
         });
     }
@@ -74,23 +81,47 @@ impl Canvas {
             let depth = 1.0 / ((1.0 - share) / from.depth + share / to.depth);
             let place = y as usize * self.columns + x as usize;
             if (depth as f32) < self.depths[place] {
-                self.pixels[place] = LINE;
+                self.samples[place] = Sample::Line;
             }
         }
     }
 
-    /// The picture as bytes, each pixel the mean of `scale * scale` pixels.
-    pub(super) fn reduced(&self, scale: usize) -> Vec<u8> {
-        let mean = |row: usize, column: usize, channel: usize| {
-            let inside = (0..scale * scale).map(|k| {
-                let place = (row * scale + k / scale) * self.columns + column * scale + k % scale;
-                u32::from(self.pixels[place][channel])
-            });
-            (inside.sum::<u32>() / (scale * scale) as u32) as u8
-        };
-        let columns = self.columns / scale;
-        let row = |row: usize| (0..columns * 3).map(move |place| mean(row, place / 3, place % 3));
-        (0..self.rows / scale).into_par_iter().flat_map_iter(row).collect()
+    /// The picture with each pixel the mean of `scale * scale` samples; its value is that of the nearest of them.
+    pub(super) fn reduced(&self, scale: usize, extent: [f64; 2]) -> Shaded {
+        let (columns, rows) = (self.columns / scale, self.rows / scale);
+        let pixels =
+            (0..columns * rows).into_par_iter().map(|place| self.pixel([place % columns, place / columns], scale));
+        Shaded { columns, rows, pixels: pixels.collect(), extent }
+    }
+
+    fn pixel(&self, [column, row]: [usize; 2], scale: usize) -> Pixel {
+        let (mut spheres, mut lines, mut nearest) = (0_u32, 0_u32, f32::INFINITY);
+        let (mut value, mut light, mut shine) = (0, 0.0, 0.0);
+        for k in 0..scale * scale {
+            let place = (row * scale + k / scale) * self.columns + column * scale + k % scale;
+            match self.samples[place] {
+                Sample::Nothing => {}
+                Sample::Line => lines += 1,
+                Sample::Sphere { shade, bright, gloss } => {
+                    spheres += 1;
+                    light += bright;
+                    shine += gloss;
+                    if self.depths[place] < nearest {
+                        (nearest, value) = (self.depths[place], shade);
+                    }
+                }
+            }
+        }
+        let all = (scale * scale) as f32;
+        let of_spheres = spheres.max(1) as f32;
+        Pixel {
+            value,
+            bright: brightness(light / of_spheres),
+            gloss: byte(shine / of_spheres),
+            // Lines are laid over spheres, so that of what they leave spheres cover the more.
+            cover: byte(spheres as f32 / (all - lines as f32).max(1.0)),
+            line: byte(lines as f32 / all),
+        }
     }
 }
 
@@ -98,21 +129,22 @@ impl Canvas {
 struct Strip<'a> {
     top: usize,
     columns: usize,
-    pixels: &'a mut [[u8; 3]],
+    samples: &'a mut [Sample],
     depths: &'a mut [f32],
 }
 
 impl Strip<'_> {
     fn draw(&mut self, discs: &[Disc], members: &[u32]) {
         const NOBODY: u32 = u32::MAX;
-        let mut nearest = vec![NOBODY; self.pixels.len()];
+        let mut nearest = vec![NOBODY; self.samples.len()];
         for &member in members {
             self.cover(&discs[member as usize], member, &mut nearest);
         }
         for (place, &member) in nearest.iter().enumerate().filter(|&(_, &member)| member != NOBODY) {
             let disc = &discs[member as usize];
             let [x, y] = self.offset(place, disc);
-            self.pixels[place] = lit(colour_of(disc.shade), [x as f32, y as f32]);
+            let [bright, gloss] = lit([x as f32, y as f32]);
+            self.samples[place] = Sample::Sphere { shade: disc.shade, bright, gloss };
         }
     }
 
@@ -126,7 +158,7 @@ impl Strip<'_> {
 
     fn cover(&mut self, disc: &Disc, member: u32, nearest: &mut [u32]) {
         let Disc { image, radius, thickness, .. } = *disc;
-        let rows = self.pixels.len() / self.columns;
+        let rows = self.samples.len() / self.columns;
         let first = (image.y - radius).max(self.top as f64) as usize - self.top;
         let last = ((image.y + radius) as usize).min(self.top + rows - 1);
         for row in first..=last.saturating_sub(self.top) {
@@ -153,14 +185,13 @@ impl Strip<'_> {
     }
 }
 
-/// A colour as it looks on a sphere: light from the upper left behind the camera, a highlight, a darker rim.
-fn lit(colour: [f32; 3], [x, y]: [f32; 2]) -> [u8; 3] {
+/// Brightness and highlight of a sphere: light from the upper left behind the camera, a darker rim.
+fn lit([x, y]: [f32; 2]) -> [f32; 2] {
     const LIGHT: [f32; 3] = [-0.396, 0.594, 0.700];
     // Half-way between the light and the eye.
     const HALF: [f32; 3] = [-0.215, 0.322, 0.922];
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();
     let along = |direction: [f32; 3]| (direction[0] * x + direction[1] * y + direction[2] * z).max(0.0);
     let brightness = (0.42 + 0.72 * along(LIGHT)) * (0.45 + 0.55 * z.sqrt());
-    let highlight = 0.22 * along(HALF).powi(40);
-    colour.map(|channel| ((channel * brightness + highlight).clamp(0.0, 1.0) * 255.0).round() as u8)
+    [brightness, 0.22 * along(HALF).powi(40)]
 }

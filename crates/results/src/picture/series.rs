@@ -2,7 +2,8 @@
 //!
 //! The step is in the name, so that a run that goes on knows which of them to draw again, and nothing has to be counted.
 
-use super::{Options, render};
+use super::shaded::{CHUNK, Shaded, chunk};
+use super::{Drawing, Options, Stamp};
 use crate::error::{Action, Context, Error};
 use crate::files::{self, atomically};
 use crate::run_directory::PICTURES;
@@ -32,10 +33,52 @@ impl Series {
         let path = file_of(run, &self.name, state.step);
         let folder = files::parent(&path);
         files::make_folder(folder)?;
-        let picture = render(state, plan, &self.options)?;
+        // Without a range, the colours are not known before the last picture of the series.
+        let drawing = Drawing::of(state, plan, &self.options)?;
+        let picture = drawing.png(&self.options, drawing.shaded.extent, self.options.range.is_none())?;
         atomically(&path, |unfinished| fs::write(unfinished, &picture).context(Action::Write, &path))?;
         Ok(path)
     }
+}
+
+/// Colours the pictures of a series anew, so that a colour is the same value in all of them: the range goes from the smallest
+/// to the largest value of the series, and times have the unit of the last.
+///
+/// # Errors
+/// Whatever the file system says. Pictures that do not carry their values are left as they are.
+pub(crate) fn unify(run: &Path, series: &Series) -> Result<(), Error> {
+    if series.options.range.is_some() {
+        return Ok(());
+    }
+    let mut drawings = Vec::new();
+    for stored in list(run)?.into_iter().filter(|stored| stored.name == series.name) {
+        let bytes = fs::read(&stored.path).context(Action::Read, &stored.path)?;
+        let time = super::told(&bytes, "time").and_then(|time| time.parse().ok());
+        if let (Some(time), Some(shaded)) = (time, chunk(&bytes, &CHUNK).and_then(Shaded::unpack)) {
+            drawings.push((
+                stored.path,
+                bytes,
+                Drawing { shaded, stamp: Stamp { step: stored.step, time, longest: None } },
+            ));
+        }
+    }
+    let ends = |pick: fn(f64, f64) -> f64, k: usize| {
+        drawings.iter().map(|(_, _, drawing)| drawing.shaded.extent[k]).reduce(pick)
+    };
+    let (Some(low), Some(high)) = (ends(f64::min, 0), ends(f64::max, 1)) else { return Ok(()) };
+    let longest = drawings.iter().map(|(_, _, drawing)| drawing.stamp.time).reduce(f64::max);
+    for (path, bytes, mut drawing) in drawings {
+        drawing.stamp.longest = longest;
+        let fits = drawing.shaded.rows == series.options.height as usize
+            && drawing.shaded.columns + super::beside(&series.options) == series.options.width as usize;
+        if fits {
+            let picture = drawing.png(&series.options, [low, high], true)?;
+            if picture != bytes {
+                atomically(&path, |unfinished| fs::write(unfinished, &picture).context(Action::Write, &path))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The file of a picture in the folder of a run.

@@ -1,78 +1,73 @@
-//! Letters as pixels: a picture carries its numbers, and no fonts are needed.
+//! Text in pictures: DejaVu Sans, of which Latin, Greek, digits and signs are part of the program.
 
-use super::sheet::Sheet;
+use super::palette::Rgb;
+use super::sheet::{Sheet, share};
+use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
-/// Pixels of a letter at scale 1, without the space behind it.
-const WIDTH: usize = 5;
-pub(super) const HEIGHT: usize = 7;
-/// From one letter to the next.
-const ADVANCE: usize = WIDTH + 1;
+/// See `fonts/LICENSE-DejaVu.txt`.
+static DATA: &[u8] = include_bytes!("../../fonts/DejaVuSans.ttf");
 
-/// Each letter as seven rows of five pixels, the leftmost in the highest of the five bits.
-const LETTERS: &[(char, [u8; HEIGHT])] = &[
-    ('0', [0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e]),
-    ('1', [0x04, 0x0c, 0x04, 0x04, 0x04, 0x04, 0x0e]),
-    ('2', [0x0e, 0x11, 0x01, 0x02, 0x04, 0x08, 0x1f]),
-    ('3', [0x1f, 0x02, 0x04, 0x02, 0x01, 0x11, 0x0e]),
-    ('4', [0x02, 0x06, 0x0a, 0x12, 0x1f, 0x02, 0x02]),
-    ('5', [0x1f, 0x10, 0x1e, 0x01, 0x01, 0x11, 0x0e]),
-    ('6', [0x06, 0x08, 0x10, 0x1e, 0x11, 0x11, 0x0e]),
-    ('7', [0x1f, 0x01, 0x02, 0x04, 0x08, 0x08, 0x08]),
-    ('8', [0x0e, 0x11, 0x11, 0x0e, 0x11, 0x11, 0x0e]),
-    ('9', [0x0e, 0x11, 0x11, 0x0f, 0x01, 0x02, 0x0c]),
-    ('+', [0x00, 0x04, 0x04, 0x1f, 0x04, 0x04, 0x00]),
-    ('-', [0x00, 0x00, 0x00, 0x1f, 0x00, 0x00, 0x00]),
-    ('.', [0x00, 0x00, 0x00, 0x00, 0x00, 0x0c, 0x0c]),
-    (',', [0x00, 0x00, 0x00, 0x00, 0x0c, 0x04, 0x08]),
-    ('/', [0x00, 0x01, 0x02, 0x04, 0x08, 0x10, 0x00]),
-    ('=', [0x00, 0x00, 0x1f, 0x00, 0x1f, 0x00, 0x00]),
-    (' ', [0; HEIGHT]),
-    ('a', [0x00, 0x00, 0x0e, 0x01, 0x0f, 0x11, 0x0f]),
-    ('b', [0x10, 0x10, 0x16, 0x19, 0x11, 0x11, 0x1e]),
-    ('c', [0x00, 0x00, 0x0e, 0x10, 0x10, 0x11, 0x0e]),
-    ('d', [0x01, 0x01, 0x0d, 0x13, 0x11, 0x11, 0x0f]),
-    ('e', [0x00, 0x00, 0x0e, 0x11, 0x1f, 0x10, 0x0e]),
-    ('f', [0x06, 0x09, 0x08, 0x1c, 0x08, 0x08, 0x08]),
-    ('g', [0x00, 0x0f, 0x11, 0x11, 0x0f, 0x01, 0x0e]),
-    ('h', [0x10, 0x10, 0x16, 0x19, 0x11, 0x11, 0x11]),
-    ('i', [0x04, 0x00, 0x0c, 0x04, 0x04, 0x04, 0x0e]),
-    ('j', [0x02, 0x00, 0x06, 0x02, 0x02, 0x12, 0x0c]),
-    ('k', [0x10, 0x10, 0x12, 0x14, 0x18, 0x14, 0x12]),
-    ('l', [0x0c, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e]),
-    ('m', [0x00, 0x00, 0x1a, 0x15, 0x15, 0x11, 0x11]),
-    ('n', [0x00, 0x00, 0x16, 0x19, 0x11, 0x11, 0x11]),
-    ('o', [0x00, 0x00, 0x0e, 0x11, 0x11, 0x11, 0x0e]),
-    ('p', [0x00, 0x00, 0x1e, 0x11, 0x1e, 0x10, 0x10]),
-    ('q', [0x00, 0x00, 0x0d, 0x13, 0x0f, 0x01, 0x01]),
-    ('r', [0x00, 0x00, 0x16, 0x19, 0x10, 0x10, 0x10]),
-    ('s', [0x00, 0x00, 0x0e, 0x10, 0x0e, 0x01, 0x1e]),
-    ('t', [0x08, 0x08, 0x1c, 0x08, 0x08, 0x09, 0x06]),
-    ('u', [0x00, 0x00, 0x11, 0x11, 0x11, 0x13, 0x0d]),
-    ('v', [0x00, 0x00, 0x11, 0x11, 0x11, 0x0a, 0x04]),
-    ('w', [0x00, 0x00, 0x11, 0x11, 0x15, 0x15, 0x0a]),
-    ('x', [0x00, 0x00, 0x11, 0x0a, 0x04, 0x0a, 0x11]),
-    ('y', [0x00, 0x00, 0x11, 0x11, 0x0f, 0x01, 0x0e]),
-    ('z', [0x00, 0x00, 0x1f, 0x02, 0x04, 0x08, 0x1f]),
-    ('K', [0x11, 0x12, 0x14, 0x18, 0x14, 0x12, 0x11]),
-    ('N', [0x11, 0x11, 0x19, 0x15, 0x13, 0x11, 0x11]),
-    ('P', [0x1e, 0x11, 0x11, 0x1e, 0x10, 0x10, 0x10]),
-];
-
-/// Pixels that a text takes across.
-pub(super) fn width(text: &str, scale: usize) -> usize {
-    (text.chars().count() * ADVANCE).saturating_sub(1) * scale
+/// A size of letters.
+pub(super) struct Letters {
+    font: FontRef<'static>,
+    scale: PxScale,
 }
 
-/// Writes a text with its upper left corner at a pixel. A letter that is not known leaves a gap.
-pub(super) fn write(sheet: &mut Sheet<'_>, text: &str, [left, top]: [usize; 2], scale: usize, ink: [u8; 3]) {
-    for (place, letter) in text.chars().enumerate() {
-        let Some((_, rows)) = LETTERS.iter().find(|(known, _)| *known == letter) else { continue };
-        for (row, bits) in rows.iter().enumerate() {
-            for column in (0..WIDTH).filter(|column| bits >> (WIDTH - 1 - column) & 1 == 1) {
-                let corner = [left + (place * ADVANCE + column) * scale, top + row * scale];
-                sheet.fill(corner, [scale, scale], ink);
-            }
+impl Letters {
+    /// Letters of so many pixels from the lowest to the highest.
+    pub(super) fn of_size(pixels: f32) -> Self {
+        let font = FontRef::try_from_slice(DATA).expect("the font is part of the program");
+        Letters { font, scale: PxScale::from(pixels) }
+    }
+
+    /// Pixels from one line of text to the next.
+    pub(super) fn line(&self) -> usize {
+        self.font.as_scaled(self.scale).height().ceil() as usize
+    }
+
+    /// Pixels that a text takes across.
+    pub(super) fn width(&self, text: &str) -> usize {
+        self.lay(text).1.ceil() as usize
+    }
+
+    /// Glyphs side by side from 0 on, and where they end.
+    fn lay(&self, text: &str) -> (Vec<Glyph>, f32) {
+        let font = self.font.as_scaled(self.scale);
+        let (mut pen, mut last) = (0.0, None);
+        let glyphs = text
+            .chars()
+            .map(|letter| {
+                let id = font.glyph_id(letter);
+                pen += last.map_or(0.0, |last| font.kern(last, id));
+                let glyph = id.with_scale_and_position(self.scale, point(pen, 0.0));
+                pen += font.h_advance(id);
+                last = Some(id);
+                glyph
+            })
+            .collect();
+        (glyphs, pen)
+    }
+
+    /// Writes a text with the upper left corner of its line at a pixel.
+    pub(super) fn write(&self, sheet: &mut Sheet, text: &str, [left, top]: [usize; 2], ink: Rgb) {
+        let (base, ink) = (self.font.as_scaled(self.scale).ascent(), share(ink));
+        for glyph in self.lay(text).0 {
+            let Some(outline) = self.font.outline_glyph(glyph) else { continue };
+            let bounds = outline.px_bounds();
+            outline.draw(|x, y, cover| {
+                let column = left as f32 + bounds.min.x + x as f32;
+                let row = (top as f32 + base).round() + bounds.min.y + y as f32;
+                if column >= 0.0 && row >= 0.0 {
+                    sheet.blend(column as usize, row as usize, ink, cover.min(1.0));
+                }
+            });
         }
+    }
+
+    /// Whether every letter of a text can be drawn.
+    #[cfg(test)]
+    pub(super) fn have(&self, text: &str) -> bool {
+        text.chars().all(|letter| self.font.glyph_id(letter).0 != 0)
     }
 }
 
@@ -83,19 +78,29 @@ mod tests {
 
     #[test]
     fn what_bars_say_can_be_written() {
-        let said = Colour::ALL.map(|colour| format!("{} {}", colour.name(), colour.unit())).concat();
-        for letter in (said + "t = 0123456789.e-+ s").chars() {
-            assert!(LETTERS.iter().any(|(known, _)| *known == letter), "there is no letter `{letter}`");
-        }
+        let said = Colour::ALL.map(|colour| format!("{} {}", colour.title(), colour.unit())).concat();
+        assert!(
+            Letters::of_size(20.0).have(&(said + "\u{b0}C \u{b5}m \u{2212}0123456789.,e-+\u{3b1}\u{3c3}\u{fc}\u{e9}"))
+        );
     }
 
     #[test]
     fn a_letter_is_where_it_is_written() {
-        let mut pixels = vec![255; 3 * 12 * 16];
-        write(&mut Sheet { columns: 12, pixels: &mut pixels }, "-", [1, 1], 2, [0; 3]);
-        let dark = |column: usize, row: usize| pixels[3 * (row * 12 + column)] == 0;
-        assert!((1..11).all(|column| dark(column, 7) && dark(column, 8)));
-        assert_eq!(pixels.as_chunks::<3>().0.iter().filter(|pixel| **pixel == [0; 3]).count(), 10 * 2);
-        assert_eq!(width("0.5", 2), 34);
+        let mut sheet = Sheet::new([60, 40], ([255; 3], true));
+        let letters = Letters::of_size(30.0);
+        letters.write(&mut sheet, "I", [10, 2], [0; 3]);
+        let dark: Vec<usize> = sheet
+            .bytes(false)
+            .chunks_exact(3)
+            .enumerate()
+            .filter(|(_, pixel)| pixel[0] < 128)
+            .map(|(place, _)| place)
+            .collect();
+        let columns: Vec<usize> = dark.iter().map(|place| place % 60).collect();
+        let rows: Vec<usize> = dark.iter().map(|place| place / 60).collect();
+        assert!(columns.iter().all(|column| (10..22).contains(column)) && !dark.is_empty());
+        let [first, last] = [rows[0], rows[rows.len() - 1]];
+        assert!((14..24).contains(&(last - first)) && last < 2 + letters.line(), "{first} {last}");
+        assert!(letters.width("0.50") > letters.width("0.5") && letters.width("") == 0);
     }
 }

@@ -1,7 +1,8 @@
 //! A chart: drawn once here, so that a page without scripts shows it, and once more by `charts.js`, which can zoom.
 
 use super::html::{escape, json, number};
-use crate::curve::{extent, label, thinned};
+use crate::axis::{Ticks, extent};
+use crate::curve::thinned;
 use std::fmt::Write;
 
 /// A line of a chart.
@@ -80,14 +81,16 @@ impl Chart {
             escape(&self.title)
         );
         let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
-        for tick in ticks(x.start, x.end, 6) {
-            let (at, said) = (across(tick), label(tick, x.end - x.start));
+        let ticks = Ticks::between(x.start, x.end, 6);
+        for &tick in &ticks.values {
+            let (at, said) = (across(tick), ticks.label(tick));
             let _ = write!(text, "<path d=\"M{at:.1} {TOP}V{bottom}\"/>");
             let _ = write!(text, "<text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{said}</text>", bottom + 16.0);
         }
-        for tick in ticks(y.start, y.end, 5) {
+        let ticks = Ticks::between(y.start, y.end, 5);
+        for &tick in &ticks.values {
             let at = down(tick);
-            let said = if self.logarithmic { powered(tick) } else { label(tick, y.end - y.start) };
+            let said = if self.logarithmic { powered(tick) } else { ticks.label(tick) };
             let _ = write!(text, "<path d=\"M{LEFT} {at:.1}H{right}\"/>");
             let _ = write!(text, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{said}</text>", LEFT - 6.0, at + 4.0);
         }
@@ -150,18 +153,6 @@ fn replace(place: &mut String, text: String) -> String {
     text
 }
 
-/// Round values between two others, about so many.
-fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
-    let rough = (high - low) / count as f64;
-    if !(rough > 0.0 && rough.is_finite()) {
-        return Vec::new();
-    }
-    let power = format!("1e{}", rough.log10().floor()).parse::<f64>().unwrap_or(1.0);
-    let step = [1.0, 2.0, 5.0].into_iter().find(|step| step * power >= rough).unwrap_or(10.0) * power;
-    let first = (low / step).ceil();
-    (0..=2 * count).map(|k| (first + k as f64) * step).take_while(|value| *value <= high).collect()
-}
-
 /// What stands at a logarithmic axis: whole powers of ten only, or the grid would lie.
 fn powered(exponent: f64) -> String {
     if exponent.fract() == 0.0 { format!("1e{exponent}") } else { String::new() }
@@ -191,14 +182,6 @@ mod tests {
         assert!(html.contains("c1 dashed"));
         assert_eq!(chart(Vec::new()).html(), None);
         assert_eq!(chart(vec![Line { points: vec![(0.0, 1.0)], ..line("a", 1.0) }]).html(), None);
-    }
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        assert_eq!(ticks(-0.4, 10.3, 5), [0.0, 5.0, 10.0]);
-        assert_eq!(ticks(0.0, 0.0, 5), Vec::<f64>::new());
-        let many = ticks(293.1, 1173.2, 5);
-        assert_eq!((many[0], many.len()), (400.0, 4));
     }
 
     #[test]

@@ -30,7 +30,9 @@
     const digits = Math.max(3, Math.min(9, Math.ceil(Math.log10(Math.abs(value) / length)) + 3));
     const rounded = Number(value.toPrecision(digits));
     const size = Math.abs(rounded);
-    return size < 1e-3 || size >= 1e6 ? rounded.toExponential().replace("e+", "e") : String(rounded);
+    if (size < 1e-3 || size >= 1e6) return rounded.toExponential().replace("e+", "e");
+    const [whole, ...rest] = String(rounded).split(".");
+    return [whole.replace(/\B(?=(\d{3})+$)/g, ","), ...rest].join(".");
   };
 
   const extent = (values, margin) => {

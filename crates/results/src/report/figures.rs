@@ -2,8 +2,9 @@
 
 use super::chart::{Chart, Line};
 use super::history::History;
-use super::html::number;
-use crate::curve::{self, Curve, Found, prefix};
+use super::html::shown;
+use crate::axis::{prefix, unit_of_time};
+use crate::curve::{self, Curve, Found};
 use crate::glossary::unit_of_column;
 use std::path::Path;
 
@@ -243,14 +244,6 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|value| value.is_finite()).fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// The unit of times that is easiest to read, and its seconds.
-fn unit_of_time(longest: f64) -> (&'static str, f64) {
-    const UNITS: [(&str, f64, f64); 5] =
-        [("h", 3600.0, 7200.0), ("min", 60.0, 300.0), ("s", 1.0, 0.5), ("ms", 1e-3, 5e-4), ("\u{b5}s", 1e-6, 0.0)];
-    let fitting = UNITS.into_iter().find(|(_, _, from)| longest >= *from);
-    fitting.map_or(("s", 1.0), |(unit, size, _)| (unit, size))
-}
-
 /// Title of a vertical axis, and what its values are divided by.
 fn scaled(measure: &str, unit: &str, largest: f64, logarithmic: bool) -> (String, f64) {
     match unit {
@@ -274,9 +267,9 @@ pub(super) fn of_curve(path: &Path, history: &str, curve: &Curve) -> Result<Char
         if let Some(apart) = Apart::of(&points, reference) {
             notes.push(format!(
                 "Computed less \u{201c}{name}\u{201d}: {} in the root mean square, at most {} (at {}), over {} points.",
-                number(apart.root_mean_square, 3),
-                number(apart.largest, 3),
-                number(apart.at, 4),
+                shown(apart.root_mean_square, 3),
+                shown(apart.largest, 3),
+                shown(apart.at, 4),
                 apart.count
             ));
         }
@@ -366,13 +359,5 @@ mod tests {
         assert!((apart.root_mean_square - (4.5_f64).sqrt()).abs() < 1e-12);
         assert_eq!(Apart::of(&[(0.0, 0.0), (1.0, 1.0), (0.5, 2.0)], &[[0.2, 0.0]]), None);
         assert_eq!(Apart::of(&curve, &[[11.0, 0.0]]), None);
-    }
-
-    #[test]
-    fn times_have_the_unit_of_their_size() {
-        assert_eq!(
-            [20_280.0, 600.0, 2.0, 3e-3, 1e-5, 0.0].map(|t| unit_of_time(t).0),
-            ["h", "min", "s", "ms", "\u{b5}s", "\u{b5}s"]
-        );
     }
 }

@@ -1,5 +1,6 @@
 //! Words and pictures as a page can hold them.
 
+use crate::words::parted;
 pub(super) use crate::words::{bytes, clock, escape, grouped};
 use std::fmt::Write;
 
@@ -22,7 +23,7 @@ pub(super) fn json(text: &str) -> String {
 }
 
 /// Bytes as text, RFC 4648.
-pub(super) fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for group in bytes.chunks(3) {
@@ -33,6 +34,11 @@ pub(super) fn base64(bytes: &[u8]) -> String {
         }
     }
     text
+}
+
+/// A number as people read it: as [`number`], with its thousands set apart.
+pub(super) fn shown(value: f64, digits: usize) -> String {
+    parted(&number(value, digits))
 }
 
 /// A number with at most so many digits, a power of ten only where it is hard to read without.
@@ -62,6 +68,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
+        assert_eq!([20_280.0, 0.5, -1234.5].map(|x| shown(x, 5)), ["20,280", "0.5", "-1,234.5"]);
         assert_eq!([0.1 + 0.2, 1_234_567.0, -1e-9, 0.0].map(|x| number(x, 4)), ["0.3", "1.235e6", "-1e-9", "0"]);
     }
 }

@@ -1,6 +1,6 @@
 //! Pictures of a run, as parts of the page.
 
-use super::html::{base64, escape, number};
+use super::html::{base64, escape, grouped, shown};
 use crate::error::Error;
 use crate::picture::{self, Stored};
 use std::collections::BTreeMap;
@@ -40,13 +40,10 @@ fn figure(name: &str, stored: &Stored) -> Option<String> {
     let bytes = fs::read(&stored.path).ok()?;
     let reader = png::Decoder::new(Cursor::new(&bytes)).read_info().ok()?;
     let info = reader.info();
-    let told = |key: &str| {
-        let chunks = info.uncompressed_latin1_text.iter();
-        chunks.filter(|chunk| chunk.keyword == key).map(|chunk| chunk.text.clone()).next()
-    };
+    let told = |key| picture::told(&bytes, key);
     let time = told("time").and_then(|time| time.parse::<f64>().ok());
-    let time = time.map_or(String::new(), |time| format!("t = {} s, ", number(time, 4)));
-    let caption = format!("{time}step {}", stored.step);
+    let time = time.map_or(String::new(), |time| format!("t = {} s, ", shown(time, 4)));
+    let caption = format!("{time}step {}", grouped(stored.step));
     Some(format!(
         "<figure data-field=\"{}\"><img width=\"{}\" height=\"{}\" alt=\"{}, {}\" src=\"data:image/png;base64,{}\">\
          <figcaption>{}</figcaption></figure>\n",
@@ -55,7 +52,7 @@ fn figure(name: &str, stored: &Stored) -> Option<String> {
         info.height,
         escape(name),
         escape(&caption),
-        base64(&bytes),
+        base64(&picture::without_values(&bytes)),
         escape(&caption)
     ))
 }

@@ -3,7 +3,7 @@
 use super::Subject;
 use super::figures::{Group, of_curve, of_history};
 use super::history::History;
-use super::html::{bytes, escape, grouped, number};
+use super::html::{bytes, escape, grouped, shown};
 use super::images;
 use super::story::Story;
 use crate::error::Error;
@@ -96,18 +96,18 @@ fn at_the_end(history: &History) -> Vec<(String, String)> {
     let last = |name: &str| history.last(name);
     let count = |value: f64| grouped(value as u64);
     if let Some(time) = last("time") {
-        let heat = last("heat_time").map_or(String::new(), |heat| format!(", {} s of heat", number(heat, 5)));
-        add("reached", format!("{} s{heat}", number(time, 5)));
+        let heat = last("heat_time").map_or(String::new(), |heat| format!(", {} s of heat", shown(heat, 5)));
+        add("reached", format!("{} s{heat}", shown(time, 5)));
     }
     if let (Some(contacts), Some(walls)) = (last("contacts"), last("wall_contacts")) {
         add("contacts", format!("{}, {} with walls", count(contacts), count(walls)));
     }
     if let (Some(bonds), Some(broken)) = (last("bonds"), last("broken_bonds")) {
         let share = 100.0 * broken / (bonds + broken).max(1.0);
-        add("bonds", format!("{} hold, {} broke ({} %)", count(bonds), count(broken), number(share, 2)));
+        add("bonds", format!("{} hold, {} broke ({} %)", count(bonds), count(broken), shown(share, 2)));
     }
     if let (Some(low), Some(high)) = (last("lowest_temperature"), last("highest_temperature")) {
-        add("temperatures", format!("{} to {} K", number(low, 5), number(high, 5)));
+        add("temperatures", format!("{} to {} K", shown(low, 5), shown(high, 5)));
     }
     if let Some((error, moved)) = energy(history) {
         add("energy error", share(error, moved, "J"));
@@ -120,11 +120,11 @@ fn at_the_end(history: &History) -> Vec<(String, String)> {
 
 fn share(error: f64, moved: f64, unit: &str) -> String {
     let of = if moved > 0.0 {
-        format!(", {} % of {} {unit} moved", number(100.0 * (error / moved).abs(), 2), number(moved, 3))
+        format!(", {} % of {} {unit} moved", shown(100.0 * (error / moved).abs(), 2), shown(moved, 3))
     } else {
         String::new()
     };
-    format!("{} {unit}{of}", number(error, 3))
+    format!("{} {unit}{of}", shown(error, 3))
 }
 
 /// The error of the energy ledger and all that it moved, J; none where no ledger was kept of losses.

@@ -1,6 +1,6 @@
 //! How a run went, from its log.
 
-use super::html::{clock, grouped, number};
+use super::html::{clock, grouped, shown};
 use crate::lock;
 use crate::log::{self, Event};
 use std::path::Path;
@@ -90,11 +90,11 @@ impl Story {
         let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
         if let Some((particles, steps, dt)) = self.size {
             add("particles", grouped(particles));
-            add("steps", format!("{} of {} s", grouped(steps), number(dt, 5)));
+            add("steps", format!("{} of {} s", grouped(steps), shown(dt, 5)));
             let (done, secs) = self.done;
             if secs > 0.0 && done > 0 {
                 add("time on the clock", clock(Duration::try_from_secs_f64(secs).unwrap_or_default()));
-                add("rate", format!("{} particle-steps/s", number((particles * done) as f64 / secs, 3)));
+                add("rate", format!("{} particle-steps/s", shown((particles * done) as f64 / secs, 3)));
             }
         }
         if !self.machines.is_empty() {

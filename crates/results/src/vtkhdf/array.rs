@@ -43,4 +43,8 @@ impl Array {
             Array::I64(_) => Storage::I64,
         }
     }
+    /// A number as text: the fewest digits that give it back.
+    pub(crate) fn text(&self, place: usize) -> String {
+        each!(self, values => format!("{:?}", values[place]))
+    }
 }

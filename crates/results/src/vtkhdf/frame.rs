@@ -1,5 +1,6 @@
 //! A frame: all blocks of one instant in a file of its own.
 
+use super::about::About;
 use super::array::{Array, Storage};
 use super::block::{Block, Field, TOPOLOGIES};
 use super::hdf5::{FormatError, Label, NewFile, NewGroup, Packed, Result, StoredFile};
@@ -12,6 +13,9 @@ use std::path::Path;
 /// Our own notes about a frame, outside the group that VTK reads.
 const NOTES: &str = "tdem";
 
+/// The block whose field data tells what the frame is about.
+const PARTICLES: &str = "particles";
+
 /// A frame that is on the disk, as far as a master must know it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
@@ -19,7 +23,17 @@ pub(crate) struct Frame {
     pub(crate) file: String,
     pub(crate) step: u64,
     pub(crate) time: f64,
+    pub(crate) about: About,
     pub(crate) blocks: Vec<BlockSize>,
+}
+
+/// The moment that a frame shows.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Moment {
+    pub(crate) step: u64,
+    /// s.
+    pub(crate) time: f64,
+    pub(crate) about: About,
 }
 
 /// A block of a frame without its numbers.
@@ -75,19 +89,19 @@ impl Frame {
     pub(crate) fn write(
         run: &Path,
         file: String,
-        step: u64,
-        time: f64,
+        moment: Moment,
         blocks: &[Block],
         compression: u32,
     ) -> std::result::Result<(Self, Seal), Error> {
         let path = run.join(&file);
         let mut seal = Seal::default();
         atomically(&path, |unfinished| {
-            write(unfinished, step, time, blocks, compression).context(Action::Write, &path)?;
+            write(unfinished, &moment, blocks, compression).context(Action::Write, &path)?;
             seal = Seal::of(unfinished).context(Action::Write, &path)?;
             Ok(())
         })?;
-        Ok((Frame { file, step, time, blocks: blocks.iter().map(BlockSize::of).collect() }, seal))
+        let Moment { step, time, about } = moment;
+        Ok((Frame { file, step, time, about, blocks: blocks.iter().map(BlockSize::of).collect() }, seal))
     }
 
     /// Looks at a frame of a run.
@@ -98,7 +112,32 @@ impl Frame {
     }
 }
 
-fn write(path: &Path, step: u64, time: f64, blocks: &[Block], compression: u32) -> Result<()> {
+/// The particles of a frame, with their numbers.
+pub(crate) struct Loaded {
+    /// `(N, 3)`, flat, m.
+    pub(crate) points: Array,
+    pub(crate) fields: Vec<Field>,
+}
+
+/// Reads the numbers of the particles of a frame.
+pub(crate) fn load_particles(run: &Path, frame: &Frame) -> std::result::Result<Loaded, Error> {
+    let path = run.join(&frame.file);
+    let read = || -> Result<Loaded> {
+        let stored = StoredFile::open(&path)?;
+        let group = format!("VTKHDF/{PARTICLES}");
+        let points = stored.array(&format!("{group}/Points"))?;
+        let kinds =
+            frame.blocks.iter().find(|block| block.name == PARTICLES).map_or(&[][..], |block| &block.point_fields);
+        let field = |kind: &FieldKind| {
+            let data = stored.array(&format!("{group}/PointData/{}", kind.name))?;
+            Ok(Field { name: kind.name.clone(), components: kind.components, data })
+        };
+        Ok(Loaded { points, fields: kinds.iter().map(field).collect::<Result<_>>()? })
+    };
+    read().context(Action::Read, &path)
+}
+
+fn write(path: &Path, moment: &Moment, blocks: &[Block], compression: u32) -> Result<()> {
     let file = NewFile::create(path, true)?;
     let root = file.group("VTKHDF")?;
     root.header("PartitionedDataSetCollection")?;
@@ -107,6 +146,9 @@ fn write(path: &Path, step: u64, time: f64, blocks: &[Block], compression: u32) 
         group.header("PolyData")?;
         group.integer_attribute("Index", index as i64)?;
         write_block(&group, block, compression)?;
+        if block.name == PARTICLES {
+            moment.about.write(&group, moment.step)?;
+        }
     }
     let assembly = root.group("Assembly")?;
     for block in blocks {
@@ -114,8 +156,8 @@ fn write(path: &Path, step: u64, time: f64, blocks: &[Block], compression: u32) 
     }
 
     let notes = file.group(NOTES)?;
-    notes.put_integers("step", 1, vec![step.cast_signed()])?;
-    notes.put("time", &Packed::new(1, &Array::F64(vec![time]), 0)?, Label { unit: "s", description: "time" })?;
+    notes.put_integers("step", 1, vec![moment.step.cast_signed()])?;
+    notes.put("time", &Packed::new(1, &Array::F64(vec![moment.time]), 0)?, Label { unit: "s", description: "time" })?;
     let fixed = notes.group("fixed")?;
     for block in blocks {
         fixed.put_integers(block.name, 1, vec![block.fixed.into()])?;
@@ -224,7 +266,8 @@ fn read(stored: &StoredFile, file: String) -> Result<Frame> {
         Some(value) if value.is_finite() => *value,
         _ => return Err(FormatError::Unusable { dataset: time }),
     };
-    Ok(Frame { file, step, time, blocks })
+    let about = About::read(stored, &format!("VTKHDF/{PARTICLES}"))?;
+    Ok(Frame { file, step, time, about, blocks })
 }
 
 fn fields(stored: &StoredFile, group: &str, rows: usize) -> Result<Vec<FieldKind>> {

@@ -397,6 +397,16 @@ impl StoredFile {
     pub(crate) fn reals(&self, dataset: &str) -> Result<Vec<f64>> {
         Ok(self.dataset(dataset)?.read_raw::<f64>()?)
     }
+    /// Numbers as they are stored.
+    pub(crate) fn array(&self, name: &str) -> Result<Array> {
+        let dataset = self.dataset(name)?;
+        Ok(match self.layout(name)?.0 {
+            Storage::F32 => Array::F32(dataset.read_raw()?),
+            Storage::F64 => Array::F64(dataset.read_raw()?),
+            Storage::I32 => Array::I32(dataset.read_raw()?),
+            Storage::I64 => Array::I64(dataset.read_raw()?),
+        })
+    }
     /// How a dataset is stored, and how many components a row has.
     pub(crate) fn layout(&self, name: &str) -> Result<(Storage, usize)> {
         let dataset = self.dataset(name)?;

@@ -1,5 +1,6 @@
 //! A master: one block of all frames as a series in time.
 
+use super::about;
 use super::array::{Array, Storage};
 use super::block::TOPOLOGIES;
 use super::frame::{BlockSize, FieldKind, Frame, POINTS, label};
@@ -147,6 +148,8 @@ impl<'a> Series<'a> {
 
         self.write_fields(&root, &steps, "PointData", |block| &block.point_fields, |block| block.points)?;
         self.write_fields(&root, &steps, "CellData", |block| &block.cell_fields, BlockSize::cell_count)?;
+        let frames: Vec<&Frame> = self.instants.iter().map(|instant| instant.frame).collect();
+        about::write_series(&root, &steps, &frames)?;
         file.close()
     }
 
@@ -292,7 +295,10 @@ fn running(instants: &[Instant<'_>], rows: impl Fn(&BlockSize) -> usize) -> Vec<
 mod tests {
     use super::*;
     use crate::files::Seal;
+    use crate::vtkhdf::about::{About, Names};
     use crate::vtkhdf::block::{Block, Cells, Field};
+    use crate::vtkhdf::frame::Moment;
+    use crate::vtkhdf::hdf5::StoredFile;
     use std::fs;
 
     fn points(name: &'static str, count: usize, fixed: bool) -> Block {
@@ -307,14 +313,23 @@ mod tests {
         }
     }
 
+    fn names() -> Names {
+        Names { title: "M\u{fc}ller's disc".into(), materials: vec!["glass".into(), "steel".into()] }
+    }
+
     fn frames(run: &Path, blocks: &[Vec<Block>]) -> Vec<Frame> {
         fs::create_dir(run.join("frames")).unwrap();
         let write = |(step, blocks): (usize, &Vec<Block>)| {
             let file = format!("frames/{step}.vtkhdf");
-            let (frame, seal) = Frame::write(run, file.clone(), step as u64, step as f64, blocks, 4).unwrap();
+            let told = || About { heat_time: Some(10.0 * step as f64), names: names() };
+            let about = if blocks[0].name == "particles" { told() } else { About::default() };
+            let moment = Moment { step: step as u64, time: step as f64, about };
+            let (frame, seal) = Frame::write(run, file.clone(), moment, blocks, 4).unwrap();
             assert_eq!(seal, Seal::of(&run.join(&file)).unwrap());
             let mut read = Frame::read(run, file).unwrap();
             read.blocks.sort_by_key(|block| blocks.iter().position(|other| other.name == block.name));
+            // Letters that VTK does not read are not there any more.
+            read.about.names.title = read.about.names.title.replace('?', "\u{fc}");
             assert_eq!(read, frame, "a frame on the disk is what its writer remembers");
             frame
         };
@@ -352,6 +367,22 @@ mod tests {
         assert_eq!(stored.integers("VTKHDF/Steps/PartOffsets").unwrap(), [0, 0, 0]);
         assert_eq!(stored.integers("VTKHDF/Steps/PointDataOffsets/id").unwrap(), [0, 2, 4]);
         assert_eq!(stored.integers("VTKHDF/PointData/id").unwrap(), [0, 1, 0, 1, 0, 1]);
+    }
+
+    #[test]
+    fn a_series_tells_times_of_the_heat_and_names() {
+        let run = tempfile::tempdir().unwrap();
+        let frames = frames(run.path(), &[(); 3].map(|()| vec![points("particles", 2, false)]));
+        let paths = write(run.path(), run.path(), all(&frames), Numbers::InFrames).unwrap();
+        let stored = StoredFile::open(&paths[0]).unwrap();
+        assert_eq!(stored.reals("VTKHDF/FieldData/heat_time").unwrap(), [0.0, 10.0, 20.0]);
+        assert_eq!(stored.integers("VTKHDF/FieldData/step").unwrap(), [0, 1, 2]);
+        assert_eq!(stored.integers("VTKHDF/FieldData/title M?ller's disc").unwrap(), [0]);
+        assert_eq!(stored.integers("VTKHDF/FieldData/material 0 glass").unwrap(), [0]);
+        assert_eq!(stored.integers("VTKHDF/FieldData/material 1 steel").unwrap(), [1]);
+        assert_eq!(stored.integers("VTKHDF/Steps/FieldDataOffsets/heat_time").unwrap(), [0, 1, 2]);
+        assert_eq!(stored.integers("VTKHDF/Steps/FieldDataOffsets/material 1 steel").unwrap(), [0, 0, 0]);
+        assert_eq!(stored.integers("VTKHDF/Steps/FieldDataSizes/material 1 steel").unwrap(), [1; 6]);
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const FILE: &str = include_str!("../../../../cases/tension.toml");
+const FILE: &str = include_str!("../../cases/tension.toml");
 /// Side of the quarter of the section, m.
 const SIDE: f64 = 0.075;
 const CONCRETE: f64 = 30e9;
