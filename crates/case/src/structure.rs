@@ -271,7 +271,7 @@ impl<'s> Checker<'s> {
         let told = self.problems.len() < MOST_SUGGESTIONS;
         let meant = if told { nearest(&key.name, known.iter().copied()) } else { None };
         let free = |word: &str| !entries.iter().any(|(other, _)| other.name == word);
-        let instead = instead(&key.name);
+        let instead = if told { instead(&key.name) } else { None };
         let help = match instead {
             _ if !told => None,
             Some(instead) => Some(instead.to_owned()),
