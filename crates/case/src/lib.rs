@@ -15,6 +15,7 @@
 //! ```
 
 mod build;
+mod changes;
 mod check;
 mod code;
 pub mod codes;
@@ -35,6 +36,7 @@ mod tree;
 mod walls;
 
 pub use build::{Built, Memory, NoRuns, RunLoader};
+pub use changes::Change;
 pub use check::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
 pub use code::Code;
 pub use limits::{StepLimit, StepLimits};
