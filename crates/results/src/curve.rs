@@ -4,6 +4,7 @@ use crate::error::{Action, Context, Error};
 use crate::files::atomically;
 use crate::glossary::unit_of_column;
 use crate::run_directory::HISTORY;
+use crate::words::plain;
 use plotters::prelude::*;
 use std::fs;
 use std::ops::Range;
@@ -168,7 +169,11 @@ fn svg(points: &[(f64, f64)], against: &[(String, Vec<[f64; 2]>)], titles: [&str
         let others = || against.iter().flat_map(|(_, points)| points).map(|&[x, y]| (x, y));
         let all = || points.iter().copied().chain(others());
         let extents = [extent(all().map(|point| point.0)), extent(all().map(|point| point.1))];
-        paint(&area, points, against, extents, titles).map_err(|error| error.to_string())?;
+        // XML has no place for letters that a terminal would obey.
+        let titles = titles.map(plain);
+        let named = |(name, points): &(String, Vec<[f64; 2]>)| (plain(name).into_owned(), points.clone());
+        let against: Vec<_> = against.iter().map(named).collect();
+        paint(&area, points, &against, extents, [&titles[0], &titles[1]]).map_err(|error| error.to_string())?;
     }
     Ok(text)
 }
