@@ -1,8 +1,8 @@
 //! What stands on the command line, and who answers it.
 
 use crate::{
-    bench, calibrate, check, console, explain, info, kernels, ladder, new, pack, picture, render, report, resume, run,
-    shell, verify,
+    bench, calibrate, check, explain, info, kernels, ladder, new, pack, picture, render, report, resume, run, shell,
+    signals, verify,
 };
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -84,6 +84,7 @@ enum Command {
 
 /// Answers the command line.
 pub(crate) fn main() -> ExitCode {
+    signals::outlive_limits();
     let outcome = match Cli::parse().command {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Resume(arguments) => resume::execute(&arguments),
@@ -104,7 +105,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Man(arguments) => shell::man(&arguments),
     };
     outcome.unwrap_or_else(|reports| {
-        console::say(render::text(&reports));
+        render::tell(&reports);
         ExitCode::from(FAILED)
     })
 }
