@@ -270,7 +270,7 @@ crate::codes! {
     /// `allow_overlap = true` in the group.
     error OVERLAP = "tdem::case::overlap";
 
-    /// Particles overlap at the start by more than `contact.overlap_limit` of the mean radius of the pair, which stops a run
+    /// Particles overlap at the start by more than `contact.overlap_limit` of the smaller radius of the pair, which stops a run
     /// before its first step, whatever `allow_overlap` says.
     ///
     /// Move them apart. Only pairs of particles that are both fixed in all components, such as rough walls made of spheres,

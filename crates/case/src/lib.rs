@@ -15,6 +15,7 @@
 //! ```
 
 mod build;
+mod changes;
 mod check;
 mod code;
 pub mod codes;
@@ -37,6 +38,7 @@ mod tree;
 mod walls;
 
 pub use build::{Built, Memory, NoRuns, RunLoader, SurfaceExtent};
+pub use changes::Change;
 pub use check::{HISTORY_COLUMNS, HISTORY_COLUMNS_OF_BONDS, HISTORY_COLUMNS_OF_HEAT};
 pub use code::Code;
 pub use habits::instead;

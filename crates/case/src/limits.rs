@@ -197,8 +197,12 @@ impl StepLimits {
 
     /// A step beyond a proven limit is an error, beyond an estimate a warning; one problem for each kind of limit.
     /// Estimates are not worth a word beside an error.
+    /// Where nothing moves, no step of the motion is too large.
     pub(crate) fn problems(&self, loaded: &Loaded) -> Vec<Problem> {
         let mut problems = Vec::new();
+        if loaded.case.heat.as_ref().is_some_and(|heat| heat.motion == Motion::Frozen) {
+            return problems;
+        }
         let mut told: Vec<&str> = Vec::new();
         let refused = self.limits.iter().any(|limit| limit.proven && self.step > limit.seconds);
         for limit in self.limits.iter().filter(|limit| self.step > limit.seconds) {

@@ -85,6 +85,15 @@ impl Loaded {
     /// same run, wherever it lies.
     #[must_use]
     pub fn effective_toml(&self) -> String {
+        let case = self.whole();
+        let size = case.size.as_ref().map_or(String::new(), |size| format!("# Preset applied: {size}\n"));
+        // All types serialise; if one did not, the text as read would still be the case.
+        let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());
+        format!("# Every default written out.\n{size}{body}")
+    }
+
+    /// The case with every default and with files by their full paths.
+    pub(crate) fn whole(&self) -> Case {
         let mut case = self.case.clone();
         for group in &mut case.particles {
             if let Some(csv) = &mut group.csv {
@@ -97,23 +106,29 @@ impl Loaded {
         if let Some(file) = &mut case.bonds.file {
             *file = self.absolute(file);
         }
-        let size = case.size.as_ref().map_or(String::new(), |size| format!("# Preset applied: {size}\n"));
-        // All types serialise; if one did not, the text as read would still be the case.
-        let body = toml::to_string(&case).unwrap_or_else(|_| self.source.text.clone());
-        format!("# Every default written out.\n{size}{body}")
+        case
     }
 
-    /// The same with the step that was chosen, so that reading it takes that one, whatever happens to the files that the case
-    /// names.
+    /// The same with the steps that were chosen, so that reading it takes those, whatever happens to the files that the case
+    /// names. Where heat advances by itself, its step is another than that of the motion.
     ///
     /// # Errors
-    /// If the step is none.
+    /// If a step is none.
     pub fn kept(&self, built: &Built) -> Result<String, OutOfRange> {
         let mut kept = self.clone();
-        kept.case.time.step = Step::Seconds(Positive::try_from(built.plan.dt)?);
-        let chosen =
-            if built.limits.auto { "# time.step was \"auto\"; this is the step that was chosen.\n" } else { "" };
-        Ok(chosen.to_owned() + &kept.effective_toml())
+        kept.case.time.step = Step::Seconds(Positive::try_from(built.limits.step)?);
+        let mut chosen = String::new();
+        if built.limits.auto {
+            chosen += "# time.step was \"auto\"; this is the step that was chosen.\n";
+        }
+        let alone = built.plan.heat.as_ref().is_some_and(|heat| heat.motion.takes_turns());
+        if let Some(heat) = kept.case.heat.as_mut().filter(|_| alone) {
+            if heat.step.is_none() {
+                chosen += "# heat.step was left out; this is the step that was chosen.\n";
+            }
+            heat.step = Some(Positive::try_from(built.plan.dt)?);
+        }
+        Ok(chosen + &kept.effective_toml())
     }
 
     /// The same case without heat: TBPM becomes BPM. What only heat has goes with it: surfaces, temperatures, tables of bonds,

@@ -171,3 +171,36 @@ fn bodies_of_the_tests_are_what_their_cases_say() {
         assert!((9.0..12.0).contains(&per_particle), "{file}: {per_particle}");
     }
 }
+
+/// What a run keeps of a case is read by `resume`, `picture`, `report` and `check`: it must be the case that ran.
+#[test]
+fn the_case_that_a_run_keeps_is_read_back_as_what_ran() {
+    let files = std::fs::read_dir(cases()).unwrap().map(|entry| entry.unwrap().path());
+    let files = files.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    let mut variants: Vec<(PathBuf, Vec<(&str, &str)>)> = files.map(|path| (path, Vec::new())).collect();
+    assert!(variants.len() >= 16);
+    let furnace = cases().join("furnace-temperature.toml");
+    let staggered = ("heat.motion", "quasi-static");
+    let (implicit, step) = (("heat.scheme", "implicit"), ("heat.step", "60.0"));
+    variants.extend([
+        (furnace.clone(), vec![implicit, step]),
+        (furnace.clone(), vec![("time.step", "1e-3")]),
+        (furnace.clone(), vec![staggered]),
+        (furnace.clone(), vec![staggered, implicit, step]),
+        (furnace, vec![staggered, ("time.end", "1.0")]),
+    ]);
+    for (path, overrides) in variants {
+        let named = format!("{} {overrides:?}", path.display());
+        let overrides: Vec<_> = overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let loaded = load(&path, &overrides).unwrap_or_else(|problems| panic!("{named}: {problems}"));
+        let ran = loaded.build().unwrap_or_else(|problems| panic!("{named}: {problems}"));
+        let kept = loaded.kept(&ran).unwrap();
+        let again = tdem_case::parse("kept", &kept, Path::new("/nowhere"), &[]);
+        let again = again.and_then(|again| again.build()).unwrap_or_else(|problems| panic!("{named}: {problems}"));
+        assert_eq!(again.plan, ran.plan, "{named}");
+        assert_eq!((again.schedule, again.fields), (ran.schedule, ran.fields), "{named}");
+        assert_eq!(again.state.hash(), ran.state.hash(), "{named}");
+        let problems = |built: &Built| built.warnings.problems.iter().map(|found| found.code).collect::<Vec<_>>();
+        assert_eq!(problems(&again), problems(&ran), "{named}");
+    }
+}

@@ -3,7 +3,7 @@
 use crate::console::data;
 use crate::json::{self, Json};
 use crate::render::{self, Reports};
-use crate::units::{bytes, counted, entry, grouped, number, short};
+use crate::units::{bytes, counted, cut, entry, grouped, number, short};
 use crate::{cases, memory, summary};
 use clap::Args;
 use serde_json::{Value, json};
@@ -230,6 +230,9 @@ const BYTES_OF_CONTACTS: u64 = 70;
 /// the cracks when two thirds of the bonds are broken.
 const BYTES_PER_BOND: u64 = 60;
 
+/// Letters of what sets a limit.
+const LONGEST: usize = 500;
+
 /// All limits of the step, the smallest first, one line each.
 fn limits(limits: &StepLimits) -> String {
     let mut text = String::from("Limits of the time step:\n");
@@ -254,7 +257,7 @@ fn limits(limits: &StepLimits) -> String {
     let causes = std::iter::once("").chain(limits.limits.iter().map(|limit| limit.cause.as_str()));
     for (row, cause) in std::iter::once(&header).chain(&cells).zip(causes) {
         let padded: Vec<String> = row.iter().zip(width).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        let line = format!("  {}  {cause}", padded.join("  "));
+        let line = format!("  {}  {}", padded.join("  "), cut(cause, LONGEST));
         text += line.trim_end();
         text.push('\n');
     }

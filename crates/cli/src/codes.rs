@@ -180,6 +180,26 @@ tdem_case::codes! {
     /// Ask for fewer rungs with `--rungs`: each halves the pace.
     error LADDER_TOO_MANY_RUNGS = "tdem::ladder::too-many-rungs";
 
+    /// The `case.toml` of a run is not that which ran: some of its values were changed since. Comments and the order of keys do not
+    /// count.
+    ///
+    /// Put the old values back, which the message names and `checkpoints/case.toml` holds; or go on with the new ones, `tdem resume
+    /// DIR --accept-changes`: what was written so far stays as it is. To run longer, `--steps N` is enough; to run the changed case
+    /// from its start, give it to `tdem run`.
+    error CASE_CHANGED = "tdem::results::case-changed";
+
+    /// Whether the case of a run was changed since it ran is not known: the run has no `checkpoints/case.toml`, as those of version
+    /// 0.1.0, or it cannot be read.
+    ///
+    /// See whether `case.toml` is as it was. From here on a change is noticed.
+    warning CASE_UNKNOWN = "tdem::results::case-unknown";
+
+    /// The case of a run was changed since it ran, and `tdem resume --accept-changes` goes on with what it says now. Checkpoints,
+    /// frames and rows so far are those of the case as it was.
+    ///
+    /// Nothing need be done. `log.txt` keeps what was changed.
+    warning CHANGES_ACCEPTED = "tdem::results::changes-accepted";
+
     /// A curve of the case could not be drawn: the history has no such column, or no finite number in it. The run is whole
     /// without it.
     ///
@@ -192,11 +212,22 @@ tdem_case::codes! {
     /// again.
     warning DAMAGED_CHECKPOINT = "tdem::results::damaged-checkpoint";
 
+    /// Rows of `history.csv` are not as they were written, or not there any more. Rows that are good stay.
+    ///
+    /// What was found is kept in `history.damaged.csv`, where a line may be mended by hand. Rows that are missing come back only by
+    /// running the case again. Look at the disk if it happens again.
+    warning DAMAGED_HISTORY = "tdem::results::damaged-history";
+
     /// The disk is full. Nothing is left half-written.
     ///
     /// Free some space, then `tdem resume DIR`. `tdem check` tells what a case writes; fewer frames, or none of contacts and
     /// bonds, are smaller.
     error DISK_FULL = "tdem::results::disk-full";
+
+    /// A file would be longer than the process may make it. Nothing is left half-written.
+    ///
+    /// Raise the limit in the shell or the batch system (`ulimit -f unlimited`), then `tdem resume DIR`.
+    error FILE_TOO_LARGE = "tdem::results::file-too-large";
 
     /// A file cannot be written or understood as HDF5: it is cut off, or of another program.
     ///

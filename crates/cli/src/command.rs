@@ -1,8 +1,8 @@
 //! What stands on the command line, and who answers it.
 
 use crate::{
-    bench, calibrate, check, console, explain, export, info, json, kernels, ladder, new, pack, picture, render, report,
-    resume, run, shell, verify,
+    bench, calibrate, check, explain, export, info, json, kernels, ladder, new, pack, picture, render, report, resume,
+    run, shell, signals, verify,
 };
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -103,6 +103,7 @@ impl Command {
 
 /// Answers the command line.
 pub(crate) fn main() -> ExitCode {
+    signals::outlive_limits();
     let command = Cli::parse().command;
     let for_programs = command.for_programs();
     let outcome = match command {
@@ -126,7 +127,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Man(arguments) => shell::man(&arguments),
     };
     outcome.unwrap_or_else(|reports| {
-        console::say(render::text(&reports));
+        render::tell(&reports);
         // A standard output that takes nothing was told of already.
         let _ = for_programs.map(|command| json::fail(command, &reports));
         ExitCode::from(FAILED)

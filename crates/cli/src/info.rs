@@ -5,9 +5,10 @@ use crate::device::word;
 use crate::json::{self, Json};
 use crate::machine::instructions;
 use crate::render::Reports;
-use crate::units::{argument, bytes, counted, entry, grouped, short};
+use crate::units::{self, argument, bytes, counted, entry, grouped, short};
 use clap::Args;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread::available_parallelism;
@@ -33,6 +34,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     }
     Ok(ExitCode::SUCCESS)
 }
+
+/// Frames that are named although they cannot be read; of more only the number is told.
+const SHOWN: usize = 20;
 
 /// A new line of what stands in the second column.
 const INDENT: &str = "\n                 ";
@@ -151,8 +155,11 @@ fn of_run(run: &Path) -> Result<String, Reports> {
             _ => "none".to_owned(),
         },
     );
-    for unreadable in &info.unreadable_frames {
+    for unreadable in info.unreadable_frames.iter().take(SHOWN) {
         text += &entry("", format!("unreadable: {unreadable}"));
+    }
+    if let more @ 1.. = info.unreadable_frames.len().saturating_sub(SHOWN) {
+        text += &entry("", format!("and {} more", grouped(more as u64)));
     }
     if !info.blocks.is_empty() {
         let masters: Vec<String> = info.blocks.iter().map(|block| format!("{block}.vtkhdf")).collect();
@@ -183,6 +190,6 @@ fn of_run(run: &Path) -> Result<String, Reports> {
     Ok(text + &entry("size", bytes(info.bytes)))
 }
 
-fn title(title: &str) -> &str {
-    if title.is_empty() { "without title" } else { title }
+fn title(title: &str) -> Cow<'_, str> {
+    if title.is_empty() { "without title".into() } else { units::title(title) }
 }

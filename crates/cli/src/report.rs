@@ -4,12 +4,13 @@ use crate::cases;
 use crate::console::data;
 use crate::render::Reports;
 use crate::units::{argument, short};
+use crate::work;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tdem_case::Loaded;
-use tdem_results::Error;
 use tdem_results::report::{Subject, write};
+use tdem_results::{Error, restore_masters};
 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -28,7 +29,8 @@ Examples:
   tdem report runs/packing --out packing.html
 
 The page needs nothing but itself: open it in any browser, or send it. A run writes it when it ends; this command makes
-it anew from what lies in the directory, also while the run goes on.";
+it anew from what lies in the directory, also while the run goes on. If no process is at the run, the curves of the case are
+drawn anew as well, and what ParaView opens is made again where it is missing.";
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     let run = &arguments.run;
@@ -36,8 +38,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<ExitCode, Reports> {
     if !case.exists() {
         return Err(Error::NotARun { path: run.clone() }.into());
     }
+    let loaded = tdem_case::load(&case, &[]);
+    if restore_masters(run)? && run.join("history.csv").exists() {
+        let curves = loaded.as_ref().map_or_else(|_| Vec::new(), |loaded| cases::curves(&loaded.case));
+        work::draw(run, &curves);
+    }
     // A case that cannot be read any more does not hide what the run holds.
-    let subject = tdem_case::load(&case, &[]).map_or_else(
+    let subject = loaded.map_or_else(
         |problems| Subject {
             problem: Some(format!(
                 "The case cannot be read any more, so that curves are missing: {}",

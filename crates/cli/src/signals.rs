@@ -3,7 +3,8 @@
 
 use crate::codes;
 use crate::render::{Report, Reports};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::flag;
 use signal_hook::iterator;
 use signal_hook::low_level::exit;
 use std::io;
@@ -15,6 +16,13 @@ use std::time::{Duration, Instant};
 /// Some programs (`timeout`, batch systems) signal a process and then its group, so that one request arrives twice.
 /// What comes so soon is no second request.
 const ECHO: Duration = Duration::from_millis(500);
+
+/// A limit on the size of files (`ulimit -f`) ends a process that does not catch its signal. Caught, it lets writing fail, which
+/// is told as an error.
+pub(crate) fn outlive_limits() {
+    // Where the signal cannot be caught it does what it always did.
+    let _ = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+}
 
 /// What was caught so far.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! What a run is about to do, and what came of it.
 
-use crate::units::{argument, bytes, clock, counted, entry, grouped, number, short};
+use crate::units::{argument, bytes, clock, counted, entry, grouped, number, short, title};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -11,7 +11,7 @@ use tdem_results::{Progress, glance};
 /// What a run is about to do.
 pub(crate) fn before(loaded: &Loaded, built: &Built, schedule: &Schedule, device: &str, out: &Path) -> String {
     let case = &loaded.case;
-    let mut text = format!("{}\n", if case.title.is_empty() { &loaded.source.name } else { &case.title });
+    let mut text = format!("{}\n", title(if case.title.is_empty() { &loaded.source.name } else { &case.title }));
     text += &entry("particles", format!("{}, model {:?}", grouped(built.state.len() as u64), case.model));
     text += &entry("step", step(built));
     text += &masses(loaded);

@@ -1,8 +1,9 @@
 //! Numbers as people read them.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::Path;
-pub(crate) use tdem_results::words::{bytes, clock, grouped, number};
+pub(crate) use tdem_results::words::{bytes, clock, cut, grouped, number};
 
 /// Four digits, enough for a look.
 pub(crate) fn short(value: f64) -> String {
@@ -21,9 +22,17 @@ pub(crate) fn argument(path: &Path) -> String {
     if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
 }
 
+/// Letters of what stands in a line of a list.
+const LONGEST: usize = 2000;
+
 /// A line of a list: a name in a column of its own, and what belongs to it.
 pub(crate) fn entry(name: impl Display, value: impl Display) -> String {
-    format!("  {name:<14} {value}\n")
+    format!("  {name:<14} {}\n", cut(&value.to_string(), LONGEST))
+}
+
+/// The title of a case, as long as a line.
+pub(crate) fn title(title: &str) -> Cow<'_, str> {
+    cut(title, 200)
 }
 
 #[cfg(test)]

@@ -89,14 +89,13 @@ impl Work<'_> {
         if let Some([largest, time]) = overlap.filter(|[largest, _]| finished && *largest >= LARGE_OVERLAP) {
             render::warn(&Report::new(codes::LARGE_OVERLAP, large_overlap(largest, time)).into());
         }
-        let curves = if finished { draw(&path, &cases::curves(&self.loaded.case)) } else { Vec::new() };
         let hashed = if finished && self.arguments.hash { Some(load_final_state(&path)?.state) } else { None };
-        if let Some(state) = &hashed {
-            self.directory.log(&Event::Hash { step: state.step, hash: hash(state) })?;
-        }
-        if let Err(error) = report::at_the_end(&path, self.loaded) {
-            render::warn(&Report::new(codes::REPORT, error.to_string()).into());
-        }
+        let curves = if finished {
+            conclude(&self.directory, self.loaded, hashed.as_ref())?
+        } else {
+            leave_page(&path, self.loaded);
+            Vec::new()
+        };
         // The lock is given back before anything else is read.
         drop(self.directory);
         match outcome.map_err(|error| fault_report(error, dt))? {
@@ -203,8 +202,14 @@ impl Work<'_> {
     fn introduce(&self) -> Result<(), Reports> {
         let machine = format!("tdem {} on {}", env!("TDEM_VERSION"), self.device);
         self.directory.log(&Event::Machine(machine))?;
-        for warning in &self.warnings.problems {
+        let (first, rest) = self.warnings.problems.split_at(self.warnings.problems.len().min(LOGGED));
+        for warning in first {
             self.directory.log(&Event::Warning(warning.message.clone()))?;
+        }
+        if !rest.is_empty() {
+            let more =
+                format!("and {} more warnings of the case, which `tdem check` shows", grouped(rest.len() as u64));
+            self.directory.log(&Event::Warning(more))?;
         }
         Ok(())
     }
@@ -232,6 +237,30 @@ fn large_overlap(largest: f64, time: f64) -> String {
     )
 }
 
+/// Warnings of a case that the log takes.
+const LOGGED: usize = 20;
+
+/// Leaves what belongs to the end of a run beside its results: the curves, whose files are returned, the hash in the log, and the
+/// page.
+pub(crate) fn conclude(
+    directory: &RunDirectory,
+    loaded: &Loaded,
+    hashed: Option<&State>,
+) -> Result<Vec<PathBuf>, Reports> {
+    let curves = draw(directory.path(), &cases::curves(&loaded.case));
+    if let Some(state) = hashed {
+        directory.log(&Event::Hash { step: state.step, hash: hash(state) })?;
+    }
+    leave_page(directory.path(), loaded);
+    Ok(curves)
+}
+
+fn leave_page(run: &Path, loaded: &Loaded) {
+    if let Err(error) = report::at_the_end(run, loaded) {
+        render::warn(&Report::new(codes::REPORT, error.to_string()).into());
+    }
+}
+
 /// That heat went on although particles were not at rest.
 fn unrelaxed(turns: &Turns) -> String {
     format!(
@@ -243,15 +272,11 @@ fn unrelaxed(turns: &Turns) -> String {
 }
 
 /// Draws all curves that can be drawn, and returns their files. The rest of the run is whole without them.
-fn draw(run: &Path, curves: &[Curve]) -> Vec<PathBuf> {
-    let drawn = curves.iter().filter_map(|curve| match curve::draw(run, curve) {
-        Ok(path) => Some(path),
-        Err(error) => {
-            render::warn(&Report::new(codes::CURVE, error.to_string()).into());
-            None
-        }
-    });
-    drawn.collect()
+pub(crate) fn draw(run: &Path, curves: &[Curve]) -> Vec<PathBuf> {
+    let (drawn, failed): (Vec<_>, Vec<_>) = curves.iter().map(|curve| curve::draw(run, curve)).partition(Result::is_ok);
+    let failed = failed.into_iter().filter_map(Result::err);
+    render::warn(&failed.map(|error| Report::new(codes::CURVE, error.to_string())).collect());
+    drawn.into_iter().flatten().collect()
 }
 
 /// The line that `--hash` promises.
@@ -388,6 +413,7 @@ impl From<Error> for Reports {
                 .into();
             }
             Error::DiskFull { .. } => (codes::DISK_FULL, None),
+            Error::FileTooLarge { .. } => (codes::FILE_TOO_LARGE, None),
             Error::Io { .. } => {
                 (codes::IO, Some("check that the path exists, that it may be written, and that the disk is there"))
             }

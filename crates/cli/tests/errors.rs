@@ -182,8 +182,96 @@ fn another_case_in_the_directory_is_noticed() {
     room.tdem(&["run", "case.toml", "--steps", "10", "--out", "run"]).exits(0);
     let kept = std::fs::read_to_string(room.path("run/case.toml")).unwrap();
     std::fs::write(room.path("run/case.toml"), kept.replace("density = 2500.0", "density = 2600.0")).unwrap();
-    room.tdem(&["resume", "run"]).exits(1).complains(&["tdem::results::other-case"]);
+    room.tdem(&["resume", "run"]).exits(1).complains(&["tdem::results::case-changed", "material.glass.density"]);
+    room.tdem(&["resume", "run", "--accept-changes"]).exits(1).complains(&["tdem::results::other-case"]);
     std::fs::write(room.path("run/case.toml"), "model = 7").unwrap();
     room.tdem(&["resume", "run"]).exits(1).complains(&["run/case.toml"]);
     room.tdem(&["info", "run"]).exits(0);
+}
+
+/// What would clear a screen, change colours or ring a bell.
+const ESCAPE: &str = "\u{1b}[2J\u{7}\u{9b}31m";
+
+#[test]
+fn escape_sequences_of_a_case_never_reach_a_terminal() {
+    let room = Room::new();
+    let in_toml = ESCAPE.replace('\u{1b}', "\\u001b").replace('\u{7}', "\\u0007");
+    let titled = CASE.replace("title = \"Test\"", &format!("title = \"{in_toml}\"")).replace("glass", "gla\u{9b}31mss");
+    let titled = titled.replace("[material.gla\u{9b}31mss]", "[material.\"gla\u{9b}31mss\"]");
+    let asked =
+        format!("[[curve]]\nname = \"fall\"\nx = \"time\"\nx_title = \"{in_toml}\"\ny = \"kinetic_translation\"\n");
+    room.write("case.toml", &format!("{titled}pictures = 1\n{asked}"));
+    let bad = titled.replace("density", &format!("\"den{in_toml}sity\"")).replace("seed = 3", "seed = \"\u{9b}31m\"");
+    room.write("bad.toml", &bad);
+    room.write(&format!("a{ESCAPE}.toml"), "model = 3");
+    let file = format!("a{ESCAPE}.toml");
+    let commands: [(&[&str], i32); 8] = [
+        (&["check", "case.toml"], 0),
+        (&["run", "case.toml", "--out", "run", "--steps", "20"], 0),
+        (&["info", "run"], 0),
+        (&["resume", "run", "--steps", "40"], 0),
+        (&["report", "run"], 0),
+        (&["check", "bad.toml"], 1),
+        (&["check", &file], 1),
+        (&["run", "case.toml", "--set", "time.\u{1b}[2J=1"], 1),
+    ];
+    let acts = |text: &str| text.contains(|letter: char| letter.is_control() && letter != '\n');
+    let mut spelled = 0;
+    for (command, code) in commands {
+        let said = room.tdem(command).exits(code);
+        assert!(!acts(&said.err) && !acts(&said.out), "{command:?}: {said:?}");
+        spelled += usize::from([said.out, said.err].iter().any(|text| text.contains("\\u{1b}[2J")));
+    }
+    assert_eq!(spelled, 5, "titles, keys and names are shown all the same");
+    for file in ["log.txt", "report.html", "curve-fall.svg"] {
+        let text = std::fs::read_to_string(room.path("run").join(file)).unwrap();
+        assert!(!acts(&text.replace('\t', "")), "{file}");
+    }
+}
+
+#[test]
+fn a_line_of_a_megabyte_is_cut_in_messages() {
+    let room = Room::new();
+    let name = "n".repeat(1 << 20);
+    room.write("key.toml", &CASE.replace("density", &name));
+    room.write("value.toml", &CASE.replace("seed = 3", &format!("seed = \"{name}\"")));
+    room.write("title.toml", &CASE.replace("Test", &name));
+    room.write("material.toml", &CASE.replace("glass", &name));
+    let many = format!("count = 150\nwrong = [{}]\n", "1.0,\n".repeat(100_000));
+    room.write("lines.toml", &CASE.replace("count = 150\n", &many));
+    for (file, code) in [("key", 1), ("value", 1), ("title", 0), ("material", 0), ("lines", 1)] {
+        let said = room.tdem(&["check", &format!("{file}.toml")]).exits(code);
+        assert!(said.err.len() + said.out.len() < 40_000, "{file}: {}", said.err.len() + said.out.len());
+    }
+    room.tdem(&["check", "value.toml"]).exits(1).complains(&["value.toml:4", "..."]);
+    let said = room.tdem(&["run", "title.toml", "--steps", "10", "--out", "run"]).exits(0);
+    assert!(said.err.len() < 10_000);
+    assert!(room.tdem(&["info", "run"]).exits(0).out.len() < 10_000);
+}
+
+#[test]
+fn of_many_problems_twenty_are_shown_and_the_others_counted() {
+    let room = Room::new();
+    let keys: String = (0..500).map(|k| format!("wrong_{k} = 1\n")).collect();
+    room.write("bad.toml", &format!("{keys}{CASE}"));
+    let said = room.tdem(&["check", "bad.toml"]).exits(1).complains(&["wrong_19`", "and 480 more", "500 errors"]);
+    assert!(!said.err.contains("`wrong_20`"), "{}", said.err);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_on_the_size_of_files_is_an_error_with_a_message() {
+    let room = Room::new();
+    let often = ["--set", "output.history_interval=1e-9", "--set", "output.pictures=0"];
+    let plain = room.command(&[&["run", "case.toml", "--out", "run"], &often[..]].concat());
+    let words: Vec<String> = plain.get_args().map(|word| format!("'{}'", word.to_str().unwrap())).collect();
+    // Blocks of 512 or 1,024 bytes: frames have room, the history does not.
+    let line = format!("ulimit -f 200; exec '{}' {}", plain.get_program().to_str().unwrap(), words.join(" "));
+    let mut shell = std::process::Command::new("sh");
+    let output = shell.args(["-c", &line]).current_dir(room.path("")).output().unwrap();
+    common::Said::of(&output).exits(1).complains(&["tdem::results::file-too-large", "ulimit -f", "history.csv"]);
+    room.tdem(&["resume", "run"]).exits(0);
+    let last = room.checkpoints("run").pop().unwrap();
+    let last: u64 = last.file_stem().unwrap().to_str().unwrap().parse().unwrap();
+    assert_eq!(common::history_steps(&room.path("run")), (0..=last).collect::<Vec<_>>());
 }

@@ -5,7 +5,7 @@ use crate::error::{Action, Context, Error};
 use crate::files::atomically;
 use crate::glossary::unit_of_column;
 use crate::run_directory::HISTORY;
-use crate::words::escape;
+use crate::words::{escape, plain};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -155,6 +155,11 @@ fn svg(points: &[(f64, f64)], against: &[(String, Vec<[f64; 2]>)], titles: [&str
     if points.is_empty() {
         return Err("no row of the history has a number for both axes".to_owned());
     }
+    // XML has no place for letters that a terminal would obey.
+    let titles = titles.map(plain);
+    let titles = [&*titles[0], &*titles[1]];
+    let named = |(name, points): &(String, Vec<[f64; 2]>)| (plain(name).into_owned(), points.clone());
+    let against: Vec<_> = against.iter().map(named).collect();
     let all = || points.iter().copied().chain(against.iter().flat_map(|(_, points)| points).map(|&[x, y]| (x, y)));
     let [x, y] = [extent(all().map(|point| point.0)), extent(all().map(|point| point.1))];
     let (right, bottom) = (SIZE[0] - RIGHT, SIZE[1] - BOTTOM);

@@ -16,6 +16,12 @@ pub enum Error {
         /// What was being written.
         path: PathBuf,
     },
+    /// A file would be longer than the process may make it. What was complete before is complete still.
+    #[error("a file would be longer than the limit that this process has; raise it (`ulimit -f`), then resume: {}", path.display())]
+    FileTooLarge {
+        /// What was being written.
+        path: PathBuf,
+    },
     /// The operating system refused.
     #[error("cannot {action}: {source}: {}", path.display())]
     Io {
@@ -255,6 +261,7 @@ impl Error {
     pub(crate) fn io(action: Action, source: io::Error, path: &Path) -> Self {
         match source.kind() {
             io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => Error::DiskFull { path: path.into() },
+            io::ErrorKind::FileTooLarge => Error::FileTooLarge { path: path.into() },
             _ => Error::Io { action, source, path: path.into() },
         }
     }

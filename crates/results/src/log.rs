@@ -3,6 +3,7 @@
 
 use crate::error::{Action, Context, Error};
 use crate::files;
+use crate::words::{cut, plain};
 use std::fmt::{self, Display};
 use std::fs::{self, OpenOptions};
 use std::io::Write;
@@ -11,6 +12,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Name of the log in a run.
 pub(crate) const FILE: &str = "log.txt";
+
+/// Letters of a remark.
+const LONGEST: usize = 4000;
 
 /// What happens to a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +78,7 @@ impl Display for Event {
             Event::Created => f.write_str("created"),
             Event::Resumed { step } => write!(f, "resumed at step {step}"),
             Event::BeganAgain => f.write_str("resumed before the first checkpoint: begins again"),
-            Event::Machine(machine) => write!(f, "computed by {machine}"),
+            Event::Machine(machine) => write!(f, "computed by {}", one_line(machine)),
             Event::Begins { step, steps, particles, dt } => {
                 write!(f, "goes from step {step} to {steps}: {particles} particles, steps of {dt:e} s")
             }
@@ -89,8 +93,10 @@ impl Display for Event {
     }
 }
 
+/// A text in one line that is not too long, with nothing in it that a terminal would obey.
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    cut(&plain(&text), LONGEST).into_owned()
 }
 
 impl Event {
@@ -200,6 +206,8 @@ mod tests {
     #[test]
     fn an_event_is_one_line() {
         assert_eq!(Event::Failed("a\n  b".into()).to_string(), "failed: a b");
+        assert_eq!(Event::Warning("\u{1b}[31mred".into()).to_string(), "warning: \\u{1b}[31mred");
+        assert!(Event::Warning("x".repeat(1 << 20)).to_string().len() < 5000);
     }
 
     #[test]

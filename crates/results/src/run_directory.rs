@@ -10,7 +10,7 @@ use crate::curve;
 use crate::error::{Action, Context, Error, FrameDamage};
 use crate::files::{self, Seal};
 use crate::frame_list::{self, Listed};
-use crate::history::{History, Row};
+use crate::history::{self, History, HistoryDamage, Row};
 use crate::lock::{self, Lock};
 use crate::log::{self, Event};
 use crate::picture::{self, Series};
@@ -32,6 +32,8 @@ pub(crate) const FRAMES: &str = "frames";
 pub(crate) const CHECKPOINTS: &str = "checkpoints";
 pub(crate) const PICTURES: &str = "pictures";
 pub(crate) const REPORT: &str = "report.html";
+/// The case that ran, in the folder of checkpoints: what `case.toml` was before anybody edited it.
+const CASE_THAT_RAN: &str = "case.toml";
 const FRAME_ENDING: &str = "vtkhdf";
 
 /// A master takes about 0.1 s at 600 frames, so it is not rewritten for every frame.
@@ -98,6 +100,21 @@ pub struct Resumed {
     pub unreadable_frames: Vec<Error>,
     /// Why displacements are not known any more, if they are not: from now on, they are not a number.
     pub start_lost: Option<Damaged>,
+    /// What was wrong with the history.
+    pub history: HistoryDamage,
+}
+
+/// The case that a run kept of what ran, whatever became of its `case.toml` since; `None` if it kept none, as older versions.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn case_that_ran(run: &Path) -> Result<Option<String>, Error> {
+    let path = run.join(CHECKPOINTS).join(CASE_THAT_RAN);
+    match fs::read(&path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        // What is no text is no case either, and found out when it is read.
+        read => read.map(|text| Some(String::from_utf8_lossy(&text).into_owned())).context(Action::Read, &path),
+    }
 }
 
 impl RunDirectory {
@@ -121,6 +138,7 @@ impl RunDirectory {
         }
         remove_masters(path)?;
         remove_curves(path)?;
+        history::remove_aside(path)?;
         files::remove_unfinished(path)?;
         let case = path.join(CASE);
         files::atomically(&case, |unfinished| fs::write(unfinished, case_toml).context(Action::Write, &case))?;
@@ -128,7 +146,8 @@ impl RunDirectory {
             files::make_folder(&path.join(folder))?;
         }
         frame_list::write(path, &[])?;
-        let history = History::create(&path.join(HISTORY))?;
+        keep_case(path, case_toml)?;
+        let history = History::create(path)?;
         log::append(path, &Event::Created)?;
         Ok(RunDirectory::assemble(path, Stored::default(), history, None, lock))
     }
@@ -153,13 +172,13 @@ impl RunDirectory {
         }
 
         let checkpoint::Newest { state, damaged, .. } = checkpoint::newest(&checkpoints)?;
-        if state.is_none() && !damaged.is_empty() {
+        if state.is_none() && (!damaged.is_empty() || has_results(path)?) {
             return Err(Error::NoCheckpoint { damaged: damaged.len(), path: path.into() });
         }
         let step = state.as_ref().map(|state| state.step);
-        let history = match step {
-            Some(step) if path.join(HISTORY).exists() => History::open(&path.join(HISTORY), step)?,
-            _ => History::create(&path.join(HISTORY))?,
+        let (history, history_damage) = match step {
+            Some(step) => History::open(path, step)?,
+            None => (History::create(path)?, HistoryDamage::default()),
         };
         let mut frames = keep_frames(path, step)?;
         picture::keep(path, step)?;
@@ -175,6 +194,9 @@ impl RunDirectory {
         for unreadable in &frames.damaged {
             log::append(path, &Event::Warning(unreadable.to_string()))?;
         }
+        for told in history_damage.told() {
+            log::append(path, &Event::Warning(told))?;
+        }
         let start_lost = if step.is_some() { recover_start(path)? } else { None };
         if let Some(lost) = &start_lost {
             log::append(path, &Event::Warning(format!("displacements are not known any more, {lost}")))?;
@@ -189,7 +211,7 @@ impl RunDirectory {
         let complete = master::are_complete(path, directory.shown());
         directory.masters = if complete { Masters::Complete } else { Masters::Stale };
         directory.publish()?;
-        Ok(Resumed { directory, state, damaged, unreadable_frames, start_lost })
+        Ok(Resumed { directory, state, damaged, unreadable_frames, start_lost, history: history_damage })
     }
 
     fn assemble(path: &Path, stored: Stored, history: History, last_checkpoint: Option<u64>, lock: Lock) -> Self {
@@ -224,6 +246,14 @@ impl RunDirectory {
     pub fn case_toml(&self) -> Result<String, Error> {
         let path = self.path.join(CASE);
         fs::read_to_string(&path).context(Action::Read, &path)
+    }
+
+    /// From now on the present `case.toml` is the case that ran.
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    pub fn accept_case(&self) -> Result<(), Error> {
+        keep_case(&self.path, &self.case_toml()?)
     }
 
     /// Decides what frames hold from now on.
@@ -376,7 +406,7 @@ impl RunDirectory {
             self.next_frame = number;
         }
         if row && self.last_row() == Some(step) {
-            self.history = History::open(&self.path.join(HISTORY), step.saturating_sub(1))?;
+            self.history = History::open(&self.path, step.saturating_sub(1))?.0;
         }
         Ok(())
     }
@@ -427,6 +457,33 @@ impl RunDirectory {
     pub fn log(&self, event: &Event) -> Result<(), Error> {
         log::append(&self.path, event)
     }
+}
+
+/// Writes the masters of a run that lacks some: its process died before it could. A run at which a process is writes its own.
+/// Whether the run was free.
+///
+/// # Errors
+/// Whatever the file system says.
+pub fn restore_masters(run: &Path) -> Result<bool, Error> {
+    let Ok(_lock) = Lock::take(run) else { return Ok(false) };
+    let stored = stored_frames(run)?;
+    let there = |name: &String| run.join(name).with_extension(FRAME_ENDING).exists();
+    if !master::block_names(&stored.frames).iter().all(there) {
+        master::write(run, run, stored.shown(), Numbers::InFrames)?;
+    }
+    Ok(true)
+}
+
+/// Whether a run has what comes after its first checkpoint only: a frame, or a second row.
+fn has_results(run: &Path) -> Result<bool, Error> {
+    // A history that is not there has no rows.
+    let history = fs::read(run.join(HISTORY)).unwrap_or_default();
+    Ok(!frame_numbers(run)?.is_empty() || history.iter().filter(|&&byte| byte == b'\n').count() > 2)
+}
+
+fn keep_case(run: &Path, text: &str) -> Result<(), Error> {
+    let path = run.join(CHECKPOINTS).join(CASE_THAT_RAN);
+    files::atomically(&path, |unfinished| fs::write(unfinished, text).context(Action::Write, &path))
 }
 
 /// Where a frame is, relative to the run.

@@ -5,6 +5,7 @@
 //! was taken before is written first.
 
 use crate::error::Error;
+use crate::history::Row;
 use crate::log::Event;
 use crate::pace::{Pace, Rate};
 use crate::run_directory::RunDirectory;
@@ -12,7 +13,7 @@ use crate::writer::{Failure, LIMIT, Report, Sink, Wanted, Writer};
 use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
-use tdem_engine::{Capture, Fault, Ledger, Schedule, Simulation, Turns};
+use tdem_engine::{Capture, Fault, Ledger, Plan, Schedule, Simulation, State, Turns};
 use thiserror::Error;
 
 /// How a run is getting on.
@@ -168,6 +169,27 @@ fn run_into(
         Outcome::Interrupted { step: end } => Event::Interrupted { step: end, done: end.saturating_sub(step), secs },
     })?;
     Ok(outcome)
+}
+
+/// Writes what the end of a run writes, as far as it is not there: the last row, frame and pictures, and the masters. The run is
+/// finished, and the state its last.
+///
+/// # Errors
+/// Whatever the file system says.
+pub fn complete(directory: &mut RunDirectory, state: &State, plan: &Plan, schedule: &Schedule) -> Result<(), Error> {
+    let lacks = |last: Option<u64>| last.is_none_or(|last| last < state.step);
+    if schedule.history_every > 0 && lacks(directory.last_row()) {
+        directory.row(&Row::of(state, plan, Ledger::of(state, plan)))?;
+    }
+    if schedule.frame_every > 0 && lacks(directory.last_frame()) {
+        directory.frame(state, plan)?;
+    }
+    if schedule.picture_every > 0 {
+        directory.pictures(state, plan)?;
+    }
+    directory.finish()?;
+    directory.unify_pictures()?;
+    directory.log(&Event::Finished { step: state.step, done: 0, secs: 0.0 })
 }
 
 /// Passes on what an observer is told, and remembers what the log will say.

@@ -1,5 +1,6 @@
 //! Numbers as people read them, and texts as pages take them.
 
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// At most `digits` digits, with a power of ten only where it is hard to read without.
@@ -71,9 +72,47 @@ pub fn clock(time: Duration) -> String {
     }
 }
 
-/// A text with everything marked that HTML would read as its own, also within attributes.
+/// A text as a terminal shows it: what would move its cursor, change its colours or the direction of writing is spelled out. Ends
+/// of lines and tabs stay.
+#[must_use]
+pub fn plain(text: &str) -> Cow<'_, str> {
+    let acts = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t') || turns(letter);
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
+    }
+    let mut safe = String::with_capacity(text.len());
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        if acts(letter) && !(letter == '\r' && letters.peek() == Some(&'\n')) {
+            safe.extend(letter.escape_unicode());
+        } else {
+            safe.push(letter);
+        }
+    }
+    Cow::Owned(safe)
+}
+
+/// Whether a letter changes the direction of writing or is a line break of its own.
+fn turns(letter: char) -> bool {
+    matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text that is no longer than so many letters, and how much is left out.
+#[must_use]
+pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        None => Cow::Borrowed(text),
+        Some((end, _)) => {
+            let left = text[end..].chars().count() as u64;
+            Cow::Owned(format!("{} ... ({} more letters)", &text[..end], grouped(left)))
+        }
+    }
+}
+
+/// A text with everything marked that HTML would read as its own, also within attributes, and as [`plain`] has it.
 #[must_use]
 pub fn escape(text: &str) -> String {
+    let text = plain(text);
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -119,5 +158,18 @@ mod tests {
     #[test]
     fn what_html_would_read_is_marked() {
         assert_eq!(escape("a < b & \"c\" > 'd'"), "a &lt; b &amp; &quot;c&quot; &gt; &#39;d&#39;");
+    }
+
+    #[test]
+    fn what_a_terminal_would_obey_is_spelled_out() {
+        assert_eq!(plain("\u{1b}[2Jgone\r\u{9b}31m \u{202e}x"), "\\u{1b}[2Jgone\\u{d}\\u{9b}31m \\u{202e}x");
+        assert!(matches!(plain("a\tb\nß \u{b5}m °C 中"), Cow::Borrowed(_)));
+        assert_eq!(plain("a\r\nb\r"), "a\r\nb\\u{d}");
+        assert_eq!(escape("<\u{7}>"), "&lt;\\u{7}&gt;");
+    }
+
+    #[test]
+    fn a_long_text_says_how_much_is_left_out() {
+        assert_eq!((cut("four", 4).as_ref(), cut("äöüß!", 2).as_ref()), ("four", "äö ... (3 more letters)"));
     }
 }

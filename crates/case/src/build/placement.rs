@@ -81,13 +81,15 @@ fn walls(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
     }
     let allowed: Vec<bool> =
         context.loaded.case.particles.iter().map(|group| group.allow_overlap || group.run.is_some()).collect();
+    let most = context.loaded.case.contact.overlap_limit.get();
     let mut found: BTreeMap<(u16, usize), Worst> = BTreeMap::new();
     for (k, &point) in draft.state.position.iter().enumerate() {
         let radius = draft.state.radius[k];
         for (w, plane) in context.planes.iter().enumerate() {
             let distance = plane.distance(point);
-            // Even where overlap is allowed, a centre behind a wall would be thrown further away.
-            let limit = if allowed[usize::from(draft.group[k])] { 0.0 } else { radius * (1.0 - TOUCHING) };
+            // Even where overlap is allowed, one beyond the limit would stop the run at its first step.
+            let allowed = if allowed[usize::from(draft.group[k])] { most } else { TOUCHING };
+            let limit = radius * (1.0 - allowed);
             if distance < limit {
                 let depth = radius - distance;
                 let worst = found.entry((draft.group[k], w)).or_insert(Worst {
@@ -119,7 +121,7 @@ fn walls(context: &Context<'_>, draft: &Draft) -> Vec<Problem> {
             )
             .at(source_place(context, usize::from(group)), "these particles")
             .at(plane.span.clone(), "this wall")
-            .help("move them away, or set allow_overlap = true for the group")
+            .help("move them away, or set allow_overlap = true for the group, which allows as much as contact.overlap_limit")
         })
         .collect()
 }
@@ -177,7 +179,7 @@ pub(super) fn beyond_limit(context: &Context<'_>, draft: &Draft, plan: &Plan, bo
     let held: Vec<bool> = (0..plan.constraints.len()).map(|k| plan.holds(k)).collect();
     let is_held = |index: usize| held[usize::from(state.constraint[index])];
     let ratio = |first: usize, second: usize, overlap: f64| {
-        let ratio = 2.0 * overlap / (state.radius[first] + state.radius[second]);
+        let ratio = overlap / state.radius[first].min(state.radius[second]);
         (ratio > plan.overlap_limit && !(is_held(first) && is_held(second))).then_some(ratio)
     };
     let mut found = worst(&context.domain, state, ratio)?;
@@ -198,7 +200,7 @@ pub(super) fn beyond_limit(context: &Context<'_>, draft: &Draft, plan: &Plan, bo
     let (pairs, Pair { ratio, first, second }) = found;
     let limit = number(plan.overlap_limit);
     let message = format!(
-        "{} overlapping by more than {limit} of the mean radius at the start, which stops a run; the worst, ids {} and {}, by {}",
+        "{} overlapping by more than {limit} of the smaller radius at the start, which stops a run; the worst, ids {} and {}, by {}",
         counted(pairs, "pair"),
         state.id[first],
         state.id[second],

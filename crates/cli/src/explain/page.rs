@@ -216,6 +216,7 @@ fn errors() -> Vec<Reports> {
     let run = || PathBuf::from("runs/silo");
     let errors = [
         Error::DiskFull { path: run().join("frames/000042.vtkhdf") },
+        Error::FileTooLarge { path: run().join("checkpoints/000000120000.safetensors") },
         Error::Locked { process: Some(4711), path: run() },
         Error::RunExists { path: run() },
         Error::Occupied { path: run() },

@@ -12,7 +12,7 @@ pub(super) fn json(text: &str) -> String {
             '"' => quoted += "\\\"",
             '\\' => quoted += "\\\\",
             // An end tag, a comment, or a control character would end the element or the string.
-            '<' | '>' | '&' | '\u{0}'..='\u{1f}' => {
+            '<' | '>' | '&' | '\u{0}'..='\u{1f}' | '\u{7f}'..='\u{9f}' => {
                 // A string takes whatever is written to it.
                 let _ = write!(quoted, "\\u{:04x}", u32::from(letter));
             }
