@@ -3,6 +3,7 @@
 use crate::command::Failure;
 use crate::tidy::tracked;
 use crate::workspace::Workspace;
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
@@ -56,7 +57,7 @@ fn fonts(workspace: &Workspace) -> Result<(), Failure> {
                 fs::read_to_string(workspace.root.join(licence)).is_ok_and(|text| text.contains(words))
             });
             if !licensed {
-                wrong += &format!("\n  {}: no licence that is known lies beside it", file.display());
+                let _ = write!(wrong, "\n  {}: no licence that is known lies beside it", file.display());
             }
         }
     }

@@ -118,7 +118,7 @@ mod tests {
         let expected = [
             ("particles.0.list.positions.1.1".to_owned(), some("0.5"), some("0.55")),
             ("time.end".to_owned(), some("1.0"), some("2.0")),
-            ("title".to_owned(), some("\"\""), some("\"x\"")),
+            ("title".to_owned(), None, some("\"x\"")),
         ];
         assert_eq!(found, expected);
         let fewer = changes(&[("[[0.5, 0.5, 0.5], [0.7, 0.5, 0.5]]", "[[0.5, 0.5, 0.5]]")]);

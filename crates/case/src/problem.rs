@@ -2,7 +2,7 @@
 
 use crate::code::Code;
 use std::collections::BTreeMap;
-use std::fmt;
+use std::fmt::{self, Write};
 use std::ops::Range;
 
 /// A named text that spans point into: the case with its preset and its overrides applied.
@@ -87,7 +87,7 @@ impl Problems {
         for (code, count) in counts.into_iter().filter(|(_, count)| *count > MOST_OF_A_CODE) {
             // The last of them that is told says how many more there are.
             if let Some(last) = problems.iter_mut().rfind(|problem| problem.code == code) {
-                last.message += &format!(" (and {} more with this code)", count - MOST_OF_A_CODE);
+                let _ = write!(last.message, " (and {} more with this code)", count - MOST_OF_A_CODE);
             }
         }
         Problems { source: source.clone(), problems }

@@ -314,11 +314,13 @@ fn the_state_of_another_run_goes_on() {
     assert_eq!(built.unwrap_err().problems[0].code, "tdem::case::missing-interaction");
 }
 
+type Harm = fn(&mut State);
+
 #[test]
 fn a_state_that_no_run_leaves_is_refused_with_its_field() {
     let first = build(&RANDOM.replace("200", "3"), &[]);
     let run = "[[particles]]\nmaterial = 'a'\n[particles.run]\ndirectory = 'earlier'\n";
-    let harms: [(&str, fn(&mut State)); 5] = [
+    let harms: [(&str, Harm); 5] = [
         ("velocity", |state| state.velocity.truncate(1)),
         ("position", |state| state.position[2][0] = f64::NAN),
         ("radius", |state| state.radius[0] = f64::INFINITY),
@@ -546,7 +548,8 @@ fn what_is_wrong_is_told_at_once_whatever_keys_are_unknown() {
 
 #[test]
 fn a_hundred_thousand_problems_take_no_time_and_are_counted() {
-    let keys: String = (0..100_000).map(|k| format!("key_number_{k} = {k}\n")).collect();
+    let keys: Vec<String> = (0..100_000).map(|k| format!("key_number_{k} = {k}\n")).collect();
+    let keys = keys.concat();
     let pair = interaction("a", "a");
     let start = std::time::Instant::now();
     let unknown = loaded(&format!("{ONE}[output]\n{keys}"), &[]).unwrap_err();

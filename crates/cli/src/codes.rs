@@ -261,15 +261,15 @@ tdem_case::codes! {
     /// Run the case again; the same case gives the same bits.
     error NO_CHECKPOINT = "tdem::results::no-checkpoint";
 
-    /// None of the frames of the run can be used: they are damaged or gone.
-    ///
-    /// Run the case again; the same case gives the same bits.
-    error NO_GOOD_FRAME = "tdem::results::no-good-frame";
-
     /// The run has no frames, or none of the step that was asked for.
     ///
     /// A case writes frames unless it says `output.frames = 0`; `tdem info` lists those that there are.
     error NO_FRAMES = "tdem::results::no-frames";
+
+    /// None of the frames of the run can be used: they are damaged or gone.
+    ///
+    /// Run the case again; the same case gives the same bits.
+    error NO_GOOD_FRAME = "tdem::results::no-good-frame";
 
     /// A directory is not that of a run: there is no `case.toml` in it.
     ///
@@ -286,13 +286,6 @@ tdem_case::codes! {
     /// A table or a run that the case names has changed since, or the case was edited: put the old one back, or run the case
     /// again.
     error RESULTS_OTHER_CASE = "tdem::results::other-case";
-
-    /// Where particles were at the start of the run is not known any more: `start.safetensors` and the checkpoint of step 0 are
-    /// damaged or gone.
-    ///
-    /// The run goes on. `displacement` is not a number in frames from here on; it is there in those before. Put one of the files
-    /// back if you have a copy, then resume.
-    warning START_LOST = "tdem::results::start-lost";
 
     /// A picture cannot be compressed.
     ///
@@ -314,6 +307,13 @@ tdem_case::codes! {
     ///
     /// Go on with it (`tdem resume DIR`), replace it (`--overwrite`), or keep both (`--out DIR`).
     error RUN_EXISTS = "tdem::results::run-exists";
+
+    /// Where particles were at the start of the run is not known any more: `start.safetensors` and the checkpoint of step 0 are
+    /// damaged or gone.
+    ///
+    /// The run goes on. `displacement` is not a number in frames from here on; it is there in those before. Put one of the files
+    /// back if you have a copy, then resume.
+    warning START_LOST = "tdem::results::start-lost";
 
     /// A frame does not have the bytes that it was written with, is gone, or cannot be read, so that `particles.vtkhdf` and its
     /// like go on without it, and say so; or the list of frames, `frames.csv`, was changed itself.
@@ -369,12 +369,6 @@ tdem_case::codes! {
     /// something was prescribed that pushes particles into each other.
     error OVERLAP = "tdem::run::overlap";
 
-    /// An energy or a temperature over all particles is infinite or not a number: the simulation diverged.
-    ///
-    /// Most often the time step is too large (`tdem check` shows the limits), or a value of the case is beyond all that can be
-    /// computed with.
-    error UNBOUNDED = "tdem::run::unbounded";
-
     /// A temperature is not above absolute zero, or not a number.
     ///
     /// The time scale of the heat is too large for this step, or the surroundings are hotter than an explicit step can take:
@@ -385,6 +379,12 @@ tdem_case::codes! {
     ///
     /// Ask for fewer, `--threads 1`, or raise its limit (`ulimit -u`).
     error RUN_THREADS = "tdem::run::threads";
+
+    /// An energy or a temperature over all particles is infinite or not a number: the simulation diverged.
+    ///
+    /// Most often the time step is too large (`tdem check` shows the limits), or a value of the case is beyond all that can be
+    /// computed with.
+    error UNBOUNDED = "tdem::run::unbounded";
 
     /// Motion and heat took turns, and behind some steps of the heat particles did not come to rest within the steps that they
     /// had. Heat went on all the same.

@@ -125,7 +125,7 @@ impl Work<'_> {
                     let case_ends = self.of_case.steps;
                     json::print(
                         self.command,
-                        for_programs(&path, &ended, case_ends, last.as_ref(), self.warnings, hash),
+                        for_programs(&path, &ended, case_ends, last.as_ref(), self.warnings, hash.as_ref()),
                     )?;
                 } else if let Some(state) = &hashed {
                     print_hash(state)?;
@@ -174,7 +174,7 @@ fn for_programs(
     case_ends: u64,
     last: Option<&Progress>,
     warnings: &Problems,
-    hash: Option<Value>,
+    hash: Option<&Value>,
 ) -> Value {
     let steps = ended.step.saturating_sub(ended.first);
     let secs = ended.took.as_secs_f64();

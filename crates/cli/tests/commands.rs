@@ -39,7 +39,9 @@ fn a_run_can_be_looked_at_and_sent() {
     let room = Room::new();
     room.tdem(&["run", "case.toml"]).exits(0).complains(&["particles.vtkhdf", "ParaView", "energy error", " 100 %"]);
     let quiet = room.tdem(&["run", "case.toml", "--quiet", "--overwrite"]).exits(0);
-    assert_eq!((quiet.out.as_str(), quiet.err.as_str()), ("", ""));
+    // But for what there is to be warned of: spheres this soft are pressed deep into the floor.
+    assert_eq!((quiet.out.as_str(), quiet.err.matches("tdem::").count()), ("", 1));
+    assert!(quiet.err.contains("tdem::run::large-overlap"), "{}", quiet.err);
     let info = room.tdem(&["info", "runs/case"]).exits(0);
     assert!(info.out.contains("150 particles"), "{}", info.out);
     let packed = room.tdem(&["pack", "runs/case"]).exits(0);

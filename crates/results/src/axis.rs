@@ -37,12 +37,11 @@ impl Ticks {
         if value.abs() < 1e-6 * self.step {
             return "0".to_owned();
         }
-        match self.decimals {
-            Some(decimals) => parted(&format!("{value:.decimals$}")),
-            None => {
-                let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-                format!("{rounded:e}")
-            }
+        if let Some(decimals) = self.decimals {
+            parted(&format!("{value:.decimals$}"))
+        } else {
+            let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+            format!("{rounded:e}")
         }
     }
 }

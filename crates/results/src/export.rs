@@ -16,6 +16,7 @@ use crate::vtkhdf::array::{Array, each};
 use crate::vtkhdf::block::Field;
 use crate::vtkhdf::frame::{Frame, Loaded, load_particles};
 use crate::words::escape;
+use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -84,13 +85,13 @@ fn choose<'f>(run: &Path, frames: &'f [Frame], instants: Instants) -> Result<&'f
     match instants {
         Instants::All => Ok(frames),
         Instants::Last => Ok(&frames[last..]),
-        Instants::Step(step) => match frames.iter().position(|frame| frame.step == step) {
-            Some(place) => Ok(&frames[place..=place]),
-            None => {
-                let nearest = frames.iter().map(|frame| frame.step).min_by_key(|other| other.abs_diff(step));
-                Err(Error::NoFrameOfStep { step, nearest: nearest.unwrap_or(0), path: run.into() })
+        Instants::Step(step) => {
+            if let Some(place) = frames.iter().position(|frame| frame.step == step) {
+                return Ok(&frames[place..=place]);
             }
-        },
+            let nearest = frames.iter().map(|frame| frame.step).min_by_key(|other| other.abs_diff(step));
+            Err(Error::NoFrameOfStep { step, nearest: nearest.unwrap_or(0), path: run.into() })
+        }
     }
 }
 
@@ -113,7 +114,7 @@ fn vtp_series(run: &Path, frames: &[Frame], out: &Path) -> Result<Vec<PathBuf>, 
         let path = out.with_file_name(&name);
         let text = Instant::load(run, frame)?.vtp();
         write(&path, |file| file.write_all(text.as_bytes()).context(Action::Write, &path))?;
-        list += &format!("    <DataSet timestep=\"{:?}\" file=\"{}\"/>\n", frame.time, escape(&name));
+        let _ = writeln!(list, "    <DataSet timestep=\"{:?}\" file=\"{}\"/>", frame.time, escape(&name));
         paths.push(path);
     }
     let path = out.with_extension("pvd");
@@ -191,16 +192,16 @@ impl<'f> Instant<'f> {
             let name =
                 IN_XYZ.iter().find(|(ours, _)| *ours == field.name).map_or(field.name.as_str(), |(_, name)| name);
             let kind = if matches!(field.data, Array::I32(_) | Array::I64(_)) { 'I' } else { 'R' };
-            text += &format!(":{name}:{kind}:{}", field.components);
+            let _ = write!(text, ":{name}:{kind}:{}", field.components);
         }
-        text += &format!(" Step={} Time={:?}{heat}\n", self.frame.step, self.frame.time);
+        let _ = writeln!(text, " Step={} Time={:?}{heat}", self.frame.step, self.frame.time);
         let names = &self.frame.about.names.materials;
         for particle in 0..self.len() {
             let material = self.material(particle);
             let species = names
                 .get(material)
                 .map_or_else(|| format!("M{material}"), |name| name.replace(char::is_whitespace, "_"));
-            text += &format!("{species} {}", self.place(particle, " "));
+            let _ = write!(text, "{species} {}", self.place(particle, " "));
             self.numbers(&mut text, particle, ' ', &[]);
             text.push('\n');
         }
@@ -220,17 +221,17 @@ impl<'f> Instant<'f> {
             self.len()
         );
         for (low, high) in domain.min.iter().zip(domain.max) {
-            text += &format!("{low:?} {high:?}\n");
+            let _ = writeln!(text, "{low:?} {high:?}");
         }
         text += "ITEM: ATOMS id type x y z";
         for field in self.fields.iter().filter(|field| !TOLD.contains(&field.name.as_str())) {
             let theirs = IN_LAMMPS.iter().find(|(ours, _)| *ours == field.name).map(|(_, names)| *names);
             for component in 0..field.components {
                 let name = theirs.and_then(|names| names.get(component));
-                text += &match (name, field.components) {
-                    (Some(name), _) => format!(" {name}"),
-                    (None, 1) => format!(" {}", field.name),
-                    (None, _) => format!(" {}[{}]", field.name, component + 1),
+                let _ = match (name, field.components) {
+                    (Some(name), _) => write!(text, " {name}"),
+                    (None, 1) => write!(text, " {}", field.name),
+                    (None, _) => write!(text, " {}[{}]", field.name, component + 1),
                 };
             }
         }
@@ -241,7 +242,7 @@ impl<'f> Instant<'f> {
                 Some(Array::I64(ids)) => ids[particle],
                 _ => particle as i64,
             };
-            text += &format!("{} {} {}", id + 1, self.material(particle) + 1, self.place(particle, " "));
+            let _ = write!(text, "{} {} {}", id + 1, self.material(particle) + 1, self.place(particle, " "));
             self.numbers(&mut text, particle, ' ', &TOLD);
             text.push('\n');
         }
@@ -256,17 +257,17 @@ impl<'f> Instant<'f> {
             text += "step,time,x,y,z";
             for field in &self.fields {
                 for component in 0..field.components {
-                    text += &match field.components {
-                        1 => format!(",{}", field.name),
-                        3 => format!(",{}_{}", field.name, ENDINGS[component]),
-                        _ => format!(",{}_{}", field.name, OF_TENSORS.get(component).unwrap_or(&"")),
+                    let _ = match field.components {
+                        1 => write!(text, ",{}", field.name),
+                        3 => write!(text, ",{}_{}", field.name, ENDINGS[component]),
+                        _ => write!(text, ",{}_{}", field.name, OF_TENSORS.get(component).unwrap_or(&"")),
                     };
                 }
             }
             text.push('\n');
         }
         for particle in 0..self.len() {
-            text += &format!("{},{:?},{}", self.frame.step, self.frame.time, self.place(particle, ","));
+            let _ = write!(text, "{},{:?},{}", self.frame.step, self.frame.time, self.place(particle, ","));
             self.numbers(&mut text, particle, ',', &[]);
             text.push('\n');
         }

@@ -478,7 +478,7 @@ pub fn restore_masters(run: &Path) -> Result<bool, Error> {
 fn has_results(run: &Path) -> Result<bool, Error> {
     // A history that is not there has no rows.
     let history = fs::read(run.join(HISTORY)).unwrap_or_default();
-    Ok(!frame_numbers(run)?.is_empty() || history.iter().filter(|&&byte| byte == b'\n').count() > 2)
+    Ok(!frame_numbers(run)?.is_empty() || history.split_inclusive(|&byte| byte == b'\n').count() > 2)
 }
 
 fn keep_case(run: &Path, text: &str) -> Result<(), Error> {

@@ -245,6 +245,7 @@ fn wrong_heat_is_caught() {
             exchange.radiation *= 1.01;
         }
     });
+    let stiffer: fn(&mut Plan) = |plan| plan.interactions.iter_mut().for_each(|i| i.normal_stiffness *= 1.01);
     let thicker: fn(&mut Plan) = wrong_heat!(|heat| heat.conductors.iter_mut().for_each(|c| c.section *= 1.01));
     let flows_in: fn(&mut Plan) = wrong_heat!(|heat| {
         let exchanges = heat.exposures.iter_mut().flat_map(|exposure| &mut exposure.exchanges);
@@ -257,7 +258,7 @@ fn wrong_heat_is_caught() {
             table.0[1][1] *= 1.01;
         }
     };
-    let wrong: [Wrong; 59] = [
+    let wrong: [Wrong; 60] = [
         (
             "thermal/conductivity-table",
             wrong_heat!(|heat| heat.tables.conductivity.iter_mut().for_each(|table| table.0[0][1] *= 1.01)),
@@ -288,6 +289,7 @@ fn wrong_heat_is_caught() {
         ("thermal/broken-bond", wrong_bond!(|joint| joint.cement.tensile_strength = f64::INFINITY)),
         ("thermal/broken-bond", wrong_heat!(|heat| heat.contacts = Path::Closed)),
         ("thermal/contact-circle", conducts),
+        ("thermal/softened", stiffer),
         ("thermal/contact-circle", wrong_heat!(|heat| heat.contacts = Path::Bar)),
         ("thermal/lumped-cooling", exchanges),
         ("thermal/lumped-cooling", flows_in),

@@ -48,7 +48,7 @@ impl Bar {
         let (left, room) = (left + line / 2, sheet.columns - left - line);
         let (shown, unit) = self.shown();
         let mut top = line / 2;
-        for text in wrapped(&self.title(unit), |text| letters.width(text) <= room) {
+        for text in wrapped(&self.title(&unit), |text| letters.width(text) <= room) {
             letters.write(sheet, &text, [left, top], ink);
             top += line;
         }
@@ -86,7 +86,7 @@ impl Bar {
         }
     }
 
-    fn title(&self, unit: String) -> String {
+    fn title(&self, unit: &str) -> String {
         let name = self.colour.title();
         if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") }
     }
@@ -186,7 +186,7 @@ mod tests {
         let told = |colour, range| {
             let bar = bar(colour, range);
             let (shown, unit) = bar.shown();
-            (bar.title(unit), shown)
+            (bar.title(&unit), shown)
         };
         assert_eq!(told(Colour::Temperature, [273.15, 373.15]), ("temperature (\u{b0}C)".into(), [0.0, 100.0]));
         assert_eq!(told(Colour::Stress, [-2e6, 2e6]), ("mean stress (MPa)".into(), [-2.0, 2.0]));

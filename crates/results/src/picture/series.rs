@@ -54,7 +54,7 @@ pub(crate) fn unify(run: &Path, series: &Series) -> Result<(), Error> {
     for stored in list(run)?.into_iter().filter(|stored| stored.name == series.name) {
         let bytes = fs::read(&stored.path).context(Action::Read, &stored.path)?;
         let time = super::told(&bytes, "time").and_then(|time| time.parse().ok());
-        if let (Some(time), Some(shaded)) = (time, chunk(&bytes, &CHUNK).and_then(Shaded::unpack)) {
+        if let (Some(time), Some(shaded)) = (time, chunk(&bytes, CHUNK).and_then(Shaded::unpack)) {
             drawings.push((
                 stored.path,
                 bytes,

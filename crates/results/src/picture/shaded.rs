@@ -147,14 +147,14 @@ fn part(value: f64, [low, high]: [f64; 2]) -> f32 {
 }
 
 /// The data of the first chunk of a kind in a PNG file.
-pub(super) fn chunk<'a>(png: &'a [u8], kind: &[u8; 4]) -> Option<&'a [u8]> {
+pub(super) fn chunk(png: &[u8], kind: [u8; 4]) -> Option<&[u8]> {
     let mut rest = png.get(8..)?;
     loop {
         let (length, behind) = rest.split_first_chunk::<4>()?;
         let (name, behind) = behind.split_first_chunk::<4>()?;
         let length = u32::from_be_bytes(*length) as usize;
         let data = behind.get(..length)?;
-        if name == kind {
+        if *name == kind {
             return Some(data);
         }
         rest = behind.get(length.checked_add(4)?..)?;
@@ -163,7 +163,7 @@ pub(super) fn chunk<'a>(png: &'a [u8], kind: &[u8; 4]) -> Option<&'a [u8]> {
 
 /// A PNG file without the chunks of a kind.
 pub(crate) fn without_values(png: &[u8]) -> Vec<u8> {
-    match chunk(png, &CHUNK) {
+    match chunk(png, CHUNK) {
         None => png.to_vec(),
         Some(data) => {
             let start = data.as_ptr().addr() - png.as_ptr().addr() - 8;

@@ -21,20 +21,6 @@ pub(super) const CASES: &[Case] = &[
         body: damped_bodies,
     },
     Case {
-        name: "turning/damped-bodies-steps",
-        tier: Tier::Full,
-        source: "static solution under the loads m w^2 r; objectivity: the tenth turn is the first",
-        about: "The tetrahedron at other speeds, axes and steps, and a ball of 13 spheres.",
-        body: damped_bodies_steps,
-    },
-    Case {
-        name: "turning/undamped-bodies",
-        tier: Tier::Full,
-        source: "conservation of energy",
-        about: "A pair, a tetrahedron and a ball of 13 bonded spheres, at rest in themselves, turn ten times without dashpots: error of the energy.",
-        body: undamped_bodies,
-    },
-    Case {
         name: "turning/steady-tension-of-a-damped-pair",
         tier: Tier::Quick,
         source: "F = m w^2 L / 2, whatever the damping ratio and the step",
@@ -47,6 +33,20 @@ pub(super) const CASES: &[Case] = &[
         source: "objectivity: a held spring stays where its body carries it",
         about: "A bonded tetrahedron whose contacts hold loaded springs of friction and have dashpots turns ten times.",
         body: friction_beside_bonds,
+    },
+    Case {
+        name: "turning/damped-bodies-steps",
+        tier: Tier::Full,
+        source: "static solution under the loads m w^2 r; objectivity: the tenth turn is the first",
+        about: "The tetrahedron at other speeds, axes and steps, and a ball of 13 spheres.",
+        body: damped_bodies_steps,
+    },
+    Case {
+        name: "turning/undamped-bodies",
+        tier: Tier::Full,
+        source: "conservation of energy",
+        about: "A pair, a tetrahedron and a ball of 13 bonded spheres, at rest in themselves, turn ten times without dashpots: error of the energy.",
+        body: undamped_bodies,
     },
 ];
 
