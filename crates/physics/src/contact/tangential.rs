@@ -41,7 +41,7 @@ pub struct Drag<R> {
 /// Friction with history.
 ///
 /// 1. the stored displacement turns with the bodies, keeping its length: with the normal into the present plane of contact,
-///    and about the normal at the mean spin $\tfrac12(\boldsymbol\omega_1+\boldsymbol\omega_2)\cdot\mathbf n$ ([`turned`]),
+///    and about the normal at the mean spin $\tfrac12(\boldsymbol\omega_1+\boldsymbol\omega_2)\cdot\mathbf n$,
 /// 2. $\boldsymbol\delta \leftarrow \boldsymbol\delta + \mathbf v_t\Delta t$,
 /// 3. if the spring $k_t\boldsymbol\delta$, or its sum with the dashpot $\gamma_tm^*\mathbf v_t$, exceeds the stick limit
 ///    $\mu_sF_n$, the contact slides: $\boldsymbol\delta$ is shortened until $k_t|\boldsymbol\delta| \le \mu_dF_n$,
