@@ -6,6 +6,7 @@ use crate::{
 };
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use tdem_results::words::plain;
 
 /// Exit code of a case or a run that failed. Wrong usage is 2, from clap.
 const FAILED: u8 = 1;
@@ -101,10 +102,18 @@ impl Command {
     }
 }
 
+/// The command line, or clap's own end of the program, which repeats no argument that would act on a terminal.
+fn parse() -> Cli {
+    Cli::try_parse().unwrap_or_else(|error| {
+        let shown = std::env::args_os().map(|argument| plain(&argument.to_string_lossy()).into_owned());
+        Cli::try_parse_from(shown).err().unwrap_or(error).exit()
+    })
+}
+
 /// Answers the command line.
 pub(crate) fn main() -> ExitCode {
     signals::outlive_limits();
-    let command = Cli::parse().command;
+    let command = parse().command;
     let for_programs = command.for_programs();
     let outcome = match command {
         Command::Run(arguments) => run::execute(&arguments),

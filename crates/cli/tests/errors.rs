@@ -205,7 +205,7 @@ fn escape_sequences_of_a_case_never_reach_a_terminal() {
     room.write("bad.toml", &bad);
     room.write(&format!("a{ESCAPE}.toml"), "model = 3");
     let file = format!("a{ESCAPE}.toml");
-    let commands: [(&[&str], i32); 8] = [
+    let commands: [(&[&str], i32); 11] = [
         (&["check", "case.toml"], 0),
         (&["run", "case.toml", "--out", "run", "--steps", "20"], 0),
         (&["info", "run"], 0),
@@ -214,6 +214,9 @@ fn escape_sequences_of_a_case_never_reach_a_terminal() {
         (&["check", "bad.toml"], 1),
         (&["check", &file], 1),
         (&["run", "case.toml", "--set", "time.\u{1b}[2J=1"], 1),
+        (&["run", "case.toml", "--set", "\u{1b}[2J"], 2),
+        (&["\u{1b}[2J"], 2),
+        (&["run", "case.toml", "--out", "run", "\u{1b}[2J"], 2),
     ];
     let acts = |text: &str| text.contains(|letter: char| letter.is_control() && letter != '\n');
     let mut spelled = 0;
@@ -222,7 +225,7 @@ fn escape_sequences_of_a_case_never_reach_a_terminal() {
         assert!(!acts(&said.err) && !acts(&said.out), "{command:?}: {said:?}");
         spelled += usize::from([said.out, said.err].iter().any(|text| text.contains("\\u{1b}[2J")));
     }
-    assert_eq!(spelled, 5, "titles, keys and names are shown all the same");
+    assert_eq!(spelled, 8, "titles, keys and names are shown all the same");
     for file in ["log.txt", "report.html", "curve-fall.svg"] {
         let text = std::fs::read_to_string(room.path("run").join(file)).unwrap();
         assert!(!acts(&text.replace('\t', "")), "{file}");
