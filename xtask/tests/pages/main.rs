@@ -1,5 +1,7 @@
 //! The pages that are generated from the program say what the program says. `cargo xtask docs` writes them anew.
 
+mod glossary;
+mod source_map;
 mod verification;
 
 use serde_json::{Map, Value};
